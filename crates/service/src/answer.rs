@@ -127,7 +127,7 @@ mod tests {
             assert_eq!((out.verdict(), out.reason()), (WireState::Refused, Reason::NoneAcceptable));
             assert_eq!((out.place_count, out.sequence), (0, 7));
             assert!(
-                out.text().starts_with("no candidate keeps everybody's risk"),
+                out.text().starts_with("none is acceptable under the policy"),
                 "{}",
                 out.text()
             );

@@ -142,7 +142,7 @@
 //! | [`bodies`] | bodies opened, generated, sealed |
 //! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
 //! | [`model`] | model files imported, generated, inspected, checked, exported |
-//! | [`policy`] | policies and curves checked |
+//! | [`policy`] | policies and curves checked, who signed them, and who wins under which |
 //! | [`doctor`] | what this machine has of what the service needs |
 //!
 //! # Invariants

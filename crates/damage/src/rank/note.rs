@@ -50,11 +50,11 @@ impl Note {
                 format!("{}: the policy's next rule decides", none(at_most))
             }
             Self::Refused { at_most, missing: None } => {
-                format!("{}: none is acceptable under the policy, so none wins", none(at_most))
+                format!("none is acceptable under the policy, so none wins: {}", none(at_most))
             }
             Self::Refused { at_most, missing: Some(name) } => format!(
-                "{}, and the policy's fall-back \"{name}\" is not among them: none is acceptable \
-                 under the policy, so none wins",
+                "none is acceptable under the policy, so none wins: {}, and its fall-back \
+                 \"{name}\" is not among them",
                 none(at_most)
             ),
             Self::FellBack { at_most, on } => {

@@ -158,7 +158,7 @@ fn k_a_binding_precaution_refuses_or_falls_back_and_says_so() {
     let refused = accept("otherwise = \"refuse\"");
     assert_eq!((order(&refused), refused.state), (vec![3, 2, 1], AnswerState::Complete));
     assert_eq!(refused.notes, [Note::Refused { at_most: 0.1, missing: None }]);
-    assert!(refused.is_refused() && refused.notes[0].sentence().ends_with("so none wins"));
+    assert!(refused.is_refused() && refused.notes[0].sentence().starts_with("none is acceptable"));
     let fell_back = accept("otherwise = \"fall-back\"\nfall_back = \"1\"");
     assert_eq!((order(&fell_back), fell_back.is_refused()), (vec![2, 3, 1], false));
     let why = fell_back.places[0].why.as_ref().expect("there is a next");
