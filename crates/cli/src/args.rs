@@ -71,7 +71,7 @@ pub(crate) enum Command {
         #[command(subcommand)]
         verb: crate::traffic::Verb,
     },
-    /// Check policies and injury curves, and print what they say.
+    /// Check policies and injury curves, and map which candidate wins under which of them.
     Policy {
         #[command(subcommand)]
         verb: crate::policy::Verb,

@@ -3,7 +3,7 @@
 
 use crate::table::{circumstances, kept, lines, percent, plain};
 use report::text::wrap;
-use trolley::{Answer, AnswerState, ContactRow, CourseRow, Run, Severity};
+use trolley::{Answer, AnswerState, ContactRow, CourseRow, Note, Run, Severity};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
@@ -83,17 +83,25 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     );
     let free: Vec<&str> =
         answer.ranking.iter().filter(|row| row.touches_nobody()).map(|row| &*row.name).collect();
+    let refusal = answer.refusal().map(Note::sentence);
+    lines.extend(refusal.as_ref().map(|refusal| format!("NO WINNER: {refusal}.")));
+    let least = match refusal {
+        Some(_) => String::new(),
+        None => format!(" Least harm: {}.", first.name),
+    };
     lines.push(match free.as_slice() {
         [] if answer.ranking.iter().any(CourseRow::hits_nobody) => {
-            format!("No way is free of contact from the start on. Least harm: {}.", first.name)
+            format!("No way is free of contact from the start on.{least}")
         }
-        [] => format!("Every way hits somebody, as far as is known. Least harm: {}.", first.name),
+        [] => format!("Every way hits somebody, as far as is known.{least}"),
         free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
     });
-    if !free.is_empty() && !first.touches_nobody() {
+    if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
     lines.push(format!("{took}."));
+    let notes = answer.notes.iter().filter(|note| !note.is_refusal());
+    lines.extend(notes.map(|note| format!("Note: {}.", note.sentence())));
     lines.extend(run.deadline.as_ref().map(kept));
     lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
     let tied = answer.tie_class.iter().filter(|name| **name != first.name);

@@ -88,6 +88,10 @@ fn answer(
         Some(Assume::UnknownFixed) => scenario.assuming_unknown_is_fixed(),
         None => scenario,
     };
+    let expiry = trolley::policy::expiry(&scenario.criteria().policy, trolley::policy::today());
+    if let Some(expiry) = expiry.filter(|_| !output.quiet) {
+        print::err(&format!("warning: {expiry}"));
+    }
     let records = Records::prepare(asked, options)?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
@@ -116,7 +120,7 @@ fn answer(
     if let Some(file) = page.transpose()? {
         output.say(&format!("written: {}", file.display()));
     }
-    Ok(code(ranking.answer.state))
+    Ok(code(&ranking.answer))
 }
 
 /// Writes the page of a ranking.
@@ -158,8 +162,11 @@ fn show(name: &str, ranking: &Ranking, explains: bool, output: &Output) -> Resul
     Ok(())
 }
 
-fn code(state: AnswerState) -> ExitCode {
-    match state {
+fn code(answer: &Answer) -> ExitCode {
+    if answer.refusal().is_some() {
+        return FailureKind::Refused.into();
+    }
+    match answer.state {
         AnswerState::Complete | AnswerState::Certified => ExitCode::SUCCESS,
         AnswerState::Degraded => FailureKind::Degraded.into(),
         AnswerState::Refused => FailureKind::Refused.into(),

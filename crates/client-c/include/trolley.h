@@ -53,6 +53,7 @@ extern "C" {
 #define TROLLEY_REASON_NO_SERVICE 13u /* from this library: there is no service */
 #define TROLLEY_REASON_CORRUPT 14u    /* a bit was changed on the way: ask again */
 #define TROLLEY_REASON_OTHER_MODELS 15u
+#define TROLLEY_REASON_NONE_ACCEPTABLE 16u /* by the policy, which lets none be chosen */
 
 /* trolley_request.flags */
 #define TROLLEY_UNKNOWN_IS_FIXED 1u

@@ -219,6 +219,10 @@ fn follow(
     time: &SearchClock,
     surveyor: &mut Surveyor<'_>,
 ) -> Result<RankedCourses, RunError> {
+    let names = request.scenario.candidates.iter().map(|candidate| candidate.name.as_str());
+    let policy = request.criteria.policy.among(names);
+    let criteria = Criteria { policy, ..request.criteria.clone() };
+    let request = &CourseRequest { criteria, ..request.clone() };
     let is_over = || time.is_over();
     let is_due: Option<&dyn Fn() -> bool> = if time.is_watched() { Some(&is_over) } else { None };
     let mut rounds = Rounds::new(stage, request, until);

@@ -14,6 +14,7 @@ use crate::harm::CandidateHarm;
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use crate::rank::Assessed;
+use crate::rule::Others;
 use geometry::DVec3;
 use serde::Serialize;
 
@@ -107,7 +108,7 @@ pub struct CourseHarm {
     pub energy_j: Interval,
     /// Persons who may be there besides those at stake, and the upper ends of the model range of
     /// those of them who are in a contact, summed.
-    pub others: (u32, f64),
+    pub others: Others,
     /// Work is still open.
     pub is_open: bool,
     /// A contact cannot be evaluated.
@@ -201,7 +202,7 @@ impl Assessed for CourseHarm {
         self.persons.iter().copied()
     }
 
-    fn others(&self) -> (u32, f64) {
+    fn others(&self) -> Others {
         self.others
     }
 

@@ -46,6 +46,11 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
+    /// The line of a place in the text, from 1.
+    pub(crate) fn line(&self, span: Range<usize>) -> usize {
+        self.text.get(..span.start).unwrap_or("").matches('\n').count() + 1
+    }
+
     /// A fault at a place in the text.
     pub(crate) fn fault(
         &self,
@@ -54,7 +59,7 @@ impl Source<'_> {
         remedy: impl Into<String>,
     ) -> DataFileError {
         let before = self.text.get(..span.start).unwrap_or("");
-        let line = before.matches('\n').count() + 1;
+        let line = self.line(span);
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         let file = self.file.to_owned();
         DataFileError { file, line, column, what: what.into(), remedy: remedy.into() }

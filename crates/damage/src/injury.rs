@@ -11,6 +11,7 @@ use crate::curve::{Curve, Dose, Level};
 use serde::{Deserialize, Serialize};
 
 mod load;
+mod shift;
 #[cfg(test)]
 mod tests;
 

@@ -73,7 +73,7 @@
 //! let harm = assess(&encounter, &Evidence::none(), &basis)?;
 //! assert!((harm.delta_v[0].work.hi() - 16.5).abs() < 1e-9);
 //!
-//! let ranking = rank(&policy, &[Stake { is_ego: true, responsibility: 0.0 }], &[harm])?;
+//! let ranking = rank(&policy, &[Stake { is_ego: true, ..Stake::default() }], &[harm])?;
 //! assert_eq!(ranking.state, trolley_damage::AnswerState::Complete);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -138,4 +138,4 @@ pub use rank::standing::{Standing, needs_high, standing, standing_in};
 pub use rank::{
     AnswerState, Assessed, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
 };
-pub use rule::{Rule, Stake};
+pub use rule::{Others, Rule, Stake};

@@ -182,6 +182,12 @@ pub fn is_fixed(kind: BodyKind) -> bool {
     matches!(kind, BodyKind::Wall | BodyKind::Pole | BodyKind::Building)
 }
 
+/// Whether who is with a body of this kind is outside of a vehicle, without a shell around.
+#[must_use]
+pub fn is_vulnerable(kind: BodyKind) -> bool {
+    matches!(kind, BodyKind::Pedestrian | BodyKind::Cyclist | BodyKind::Motorcycle)
+}
+
 /// How much of a closing speed a person outside feels who is struck by a mass, against a car: the
 /// share that the striker's mass has in both, over the share that a car's would have, at most 1. The
 /// person's own mass is that of the kind, never a stated one.

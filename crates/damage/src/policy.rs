@@ -11,7 +11,9 @@
 use crate::curve::Level;
 use crate::rule::{Measure, Rule, Term};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
+pub mod dossier;
 mod load;
 #[cfg(test)]
 mod tests;
@@ -31,12 +33,52 @@ pub enum Step {
         /// How far from the least still counts as least.
         tolerance: f64,
     },
-    /// Keep those where no upper end of a model range exceeds this risk; if there is none, keep
-    /// all.
+    /// Keep those where no upper end of a model range exceeds this risk.
     Accept {
         /// R_acc.
         at_most: f64,
+        /// What if there is none.
+        otherwise: Otherwise,
     },
+}
+
+/// What a policy says if no candidate is acceptable. Only the first step of a policy may say other
+/// than [`Otherwise::NextRule`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Otherwise {
+    /// Keep all: the next rule decides.
+    NextRule,
+    /// No candidate may be chosen. They are in order still, as by the next rules.
+    Refuse,
+    /// This candidate comes first; if it is not among them, no candidate may be chosen.
+    FallBack(NamedCandidate),
+}
+
+/// A candidate that a policy names.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NamedCandidate {
+    /// Its name, exactly as requests write it; in those of the service "0", "1" and so on.
+    pub name: Arc<str>,
+    /// Its number in the request: see [`Policy::among`]. `None`: it is not there.
+    pub number: Option<usize>,
+}
+
+impl NamedCandidate {
+    /// A candidate of no request.
+    pub(crate) fn new(name: &str) -> Self {
+        Self { name: name.into(), number: None }
+    }
+}
+
+impl Otherwise {
+    /// The number of the candidate to fall back on, if it is there.
+    pub(crate) fn fall_back(&self) -> Option<usize> {
+        match self {
+            Self::FallBack(named) => named.number,
+            Self::NextRule | Self::Refuse => None,
+        }
+    }
 }
 
 /// How the rules are put together, after the policy's levels.
@@ -73,6 +115,8 @@ pub enum Property {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TieBreak {
+    /// The candidate that comes first in [`Policy::preferred`]: usually to brake in lane.
+    BrakeInLane,
     /// Less energy lost.
     Energy,
     /// The lower upper end of the model range of the leading measure.
@@ -98,6 +142,10 @@ pub struct Policy {
     pub property: Property,
     /// What decides last; ends with [`TieBreak::Request`].
     pub tie_break: Vec<TieBreak>,
+    /// The candidates that [`TieBreak::BrakeInLane`] takes, in turn.
+    pub preferred: Vec<NamedCandidate>,
+    /// Who signed it, until when, and what must stay as it is; `None`: nobody signed it.
+    pub dossier: Option<Arc<dossier::Dossier>>,
 }
 
 impl Policy {
@@ -132,6 +180,25 @@ impl Policy {
         }
     }
 
+    /// This policy for a request of candidates with these names: it knows their numbers.
+    #[must_use]
+    pub fn among<'n>(self: &Arc<Self>, names: impl Iterator<Item = &'n str> + Clone) -> Arc<Self> {
+        let falls_back =
+            |step: &Step| matches!(step, Step::Accept { otherwise: Otherwise::FallBack(_), .. });
+        if self.preferred.is_empty() && !self.levels.iter().any(falls_back) {
+            return self.clone();
+        }
+        let mut policy = Self::clone(self);
+        let levels = policy.levels.iter_mut().filter_map(|step| match step {
+            Step::Accept { otherwise: Otherwise::FallBack(named), .. } => Some(named),
+            Step::Accept { .. } | Step::Least { .. } => None,
+        });
+        for named in levels.chain(&mut policy.preferred) {
+            named.number = names.clone().position(|name| *name == *named.name);
+        }
+        Arc::new(policy)
+    }
+
     /// Whether some rule considers the ego vehicle's occupants only: the answer must say so.
     #[must_use]
     pub fn is_ego_only(&self) -> bool {
@@ -153,7 +220,14 @@ impl Policy {
 impl core::fmt::Display for Step {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Accept { at_most } => write!(f, "nobody's upper end above {at_most}"),
+            Self::Accept { at_most, otherwise } => {
+                write!(f, "nobody's upper end above {at_most}")?;
+                match otherwise {
+                    Otherwise::NextRule => Ok(()),
+                    Otherwise::Refuse => f.write_str(", or no candidate at all"),
+                    Otherwise::FallBack(named) => write!(f, ", or \"{}\"", named.name),
+                }
+            }
             Self::Least { measure, tolerance } if *tolerance > 0.0 => {
                 write!(f, "least {}, within {tolerance}", measure.name())
             }

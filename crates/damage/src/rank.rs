@@ -14,7 +14,7 @@
 
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
-use crate::policy::{Policy, Step, TieBreak};
+use crate::policy::{Otherwise, Policy, Step, TieBreak};
 use crate::rule::{Measure, Rule, Stake};
 use serde::Serialize;
 use smallvec::SmallVec;
@@ -23,6 +23,7 @@ mod assessed;
 mod figures;
 mod ground;
 mod interval;
+mod note;
 pub mod stability;
 pub mod standing;
 #[cfg(test)]
@@ -30,6 +31,7 @@ mod tests;
 
 pub use assessed::Assessed;
 use figures::{Figures, rounded};
+pub use note::Note;
 
 /// A value per candidate. A request has at most sixteen; more would be allocated on the heap.
 type Each<T> = SmallVec<[T; 16]>;
@@ -80,19 +82,6 @@ impl AnswerState {
     }
 }
 
-/// A remark that an answer makes besides its order.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Note {
-    /// No candidate keeps everybody at or below the accepted risk; that step was passed over.
-    NobodyAcceptable {
-        /// R_acc.
-        at_most: f64,
-    },
-    /// Some rule of the policy considers the ego vehicle's occupants only.
-    EgoOnly,
-}
-
 /// What put one candidate before the next.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -125,11 +114,22 @@ pub enum Ground {
         /// The greatest upper end in the second.
         second: f64,
     },
+    /// No candidate is acceptable, and the policy then falls back on the first.
+    FallBack {
+        /// Number of the step, from 0.
+        step: usize,
+        /// R_acc.
+        at_most: f64,
+        /// The greatest upper end in the first.
+        first: f64,
+        /// The greatest upper end in the second.
+        second: f64,
+    },
     /// The policy holds both equal; the declared tie-break decided.
     TieBreak {
         /// By what.
         by: TieBreak,
-        /// Its value for the first (place in the request for the last).
+        /// Its value for the first (place in the request, or in the policy's list).
         first: f64,
         /// Its value for the second.
         second: f64,
@@ -163,12 +163,21 @@ pub struct RankedCandidates {
     pub places: Vec<Place>,
     /// Candidates that can still win, in the order of the request.
     pub possible: Vec<usize>,
-    /// Number of leading places that no open work can change.
+    /// Number of leading places that no open work can change; 0 while open work can change whether
+    /// the policy refuses them all.
     pub settled: usize,
     /// Candidates that the model cannot tell from the winner, itself included.
     pub tie_class: Vec<usize>,
     /// Further remarks.
     pub notes: Vec<Note>,
+}
+
+impl RankedCandidates {
+    /// Whether the policy lets no candidate be chosen: then the first place wins nothing.
+    #[must_use]
+    pub fn is_refused(&self) -> bool {
+        self.notes.iter().any(Note::is_refusal)
+    }
 }
 
 /// Candidates that cannot be ranked.
@@ -319,10 +328,13 @@ impl RankOrder<'_> {
         let mut fell: Each<Option<usize>> = SmallVec::from_elem(None, self.figures.len());
         for (number, step) in self.steps.iter().enumerate() {
             let stays: Each<bool> = match step {
-                Step::Accept { at_most } => {
-                    let fits = |k: &usize| self.figures[*k].greatest_high() <= rounded(*at_most);
+                Step::Accept { at_most, otherwise } => {
+                    let fits = |k: &usize| self.is_acceptable(*k, *at_most);
                     let any = kept.iter().any(fits);
-                    kept.iter().map(|k| fits(k) || !any).collect()
+                    let back = otherwise.fall_back().filter(|back| kept.contains(back));
+                    let stays =
+                        |k: &usize| if any { fits(k) } else { back.is_none_or(|b| b == *k) };
+                    kept.iter().map(stays).collect()
                 }
                 Step::Least { measure, tolerance } => {
                     let values: Each<f64> = kept.iter().map(|k| self.value(measure, *k)).collect();
@@ -340,6 +352,11 @@ impl RankOrder<'_> {
         Round { winner: self.tie_winner(&kept), fell }
     }
 
+    /// Whether nobody's risk in a candidate may exceed the accepted one.
+    fn is_acceptable(&self, k: usize, at_most: f64) -> bool {
+        self.figures[k].greatest_high() <= rounded(at_most)
+    }
+
     /// The candidate that the declared tie-break chooses.
     fn tie_winner(&self, kept: &[usize]) -> usize {
         let before = |a: &&usize, b: &&usize| {
@@ -352,10 +369,18 @@ impl RankOrder<'_> {
 
     fn tie_value(&self, by: TieBreak, k: usize) -> f64 {
         match by {
+            TieBreak::BrakeInLane => self.preference(k),
             TieBreak::Energy => self.figures[k].energy_j.hi(),
             TieBreak::High => self.leading(k).1.high(),
             TieBreak::Request => k as f64,
         }
+    }
+
+    /// The place of a candidate in the policy's list of preferred ones, or behind it.
+    fn preference(&self, k: usize) -> f64 {
+        let preferred = &self.policy.preferred;
+        let at = preferred.iter().position(|named| named.number == Some(k));
+        at.unwrap_or(preferred.len()) as f64
     }
 
     /// A measure of a candidate at its upper work ends.
@@ -380,7 +405,7 @@ impl RankOrder<'_> {
         let figures = &self.figures[k];
         let work = self.over(measure, k);
         let model = measure.over(&figures.ranges, figures.energy_j, self.stakes).map(rounded);
-        let high = measure.with_others(model.hi(), self.stakes.len(), figures.others);
+        let high = measure.with_others(model.hi(), self.stakes, &figures.others);
         let high = rounded(high).max(model.hi());
         (work, Range::new(model.lo(), high).around(work), tolerance)
     }
@@ -407,12 +432,15 @@ impl RankOrder<'_> {
     /// Why `k` came before `l`, which fell out at a step, or at none.
     fn ground(&self, k: usize, l: usize, fell: Option<usize>) -> Ground {
         match fell.map(|step| (step, &self.steps[step])) {
-            Some((step, Step::Accept { at_most })) => Ground::Accept {
-                step,
-                at_most: *at_most,
-                first: self.figures[k].greatest_high(),
-                second: self.figures[l].greatest_high(),
-            },
+            Some((step, Step::Accept { at_most, .. })) => {
+                let [first, second] = [k, l].map(|k| self.figures[k].greatest_high());
+                let at_most = *at_most;
+                if self.is_acceptable(k, at_most) {
+                    Ground::Accept { step, at_most, first, second }
+                } else {
+                    Ground::FallBack { step, at_most, first, second }
+                }
+            }
             Some((step, Step::Least { measure, tolerance })) => Ground::Least {
                 step,
                 measure: measure.clone(),
@@ -455,14 +483,31 @@ impl RankOrder<'_> {
         differences.enumerate().max_by(by_size).map(|(i, _)| PersonId(i))
     }
 
-    fn note(&self, notes: &mut Vec<Note>) {
-        for step in self.steps {
-            if let Step::Accept { at_most } = step
-                && !self.figures.iter().any(|f| f.greatest_high() <= rounded(*at_most))
-            {
-                notes.push(Note::NobodyAcceptable { at_most: *at_most });
+    /// What the policy says of all candidates, if none is acceptable.
+    fn unacceptable(&self) -> impl Iterator<Item = Note> {
+        self.steps.iter().filter_map(|step| {
+            let Step::Accept { at_most, otherwise } = step else { return None };
+            let mut all = 0..self.figures.len();
+            if all.any(|k| self.is_acceptable(k, *at_most)) {
+                return None;
             }
-        }
+            let at_most = *at_most;
+            let is_there = |number: usize| number < self.figures.len();
+            Some(match otherwise {
+                Otherwise::NextRule => Note::NobodyAcceptable { at_most },
+                Otherwise::Refuse => Note::Refused { at_most, missing: None },
+                Otherwise::FallBack(named) if named.number.is_some_and(is_there) => {
+                    Note::FellBack { at_most, on: named.name.clone() }
+                }
+                Otherwise::FallBack(named) => {
+                    Note::Refused { at_most, missing: Some(named.name.clone()) }
+                }
+            })
+        })
+    }
+
+    fn note(&self, notes: &mut Vec<Note>) {
+        notes.extend(self.unacceptable());
         if self.policy.is_ego_only() {
             notes.push(Note::EgoOnly);
         }

@@ -22,6 +22,10 @@ pub enum Rule {
     Responsibility,
     /// Mean R of the ego vehicle's occupants; 0 without any.
     EgoOnly,
+    /// Mean R of those outside of vehicles: [`Stake::is_vulnerable`]; 0 without any.
+    Vulnerable,
+    /// Mean R of those not involved: [`Stake::is_uninvolved`]; 0 without any.
+    Uninvolved,
 }
 
 /// A weighted rule.
@@ -33,8 +37,8 @@ pub struct Term {
     pub weight: f64,
 }
 
-/// Weighted rules. There are five rules, so a policy's terms need no heap.
-pub type WeightedRules = SmallVec<[Term; 5]>;
+/// Weighted rules. There are seven rules, so a policy's terms need no heap.
+pub type WeightedRules = SmallVec<[Term; 7]>;
 
 /// A measure of a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -50,13 +54,63 @@ pub enum Measure {
     Energy,
 }
 
-/// What the request says of a person: only side and responsibility.
+/// What the request says of a person: only side, shelter and responsibility.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Stake {
     /// An occupant of the ego vehicle.
     pub is_ego: bool,
+    /// Outside of a vehicle: on foot, on a bicycle or on a motorcycle. These are the vulnerable
+    /// road users of Regulation (EU) 2019/2144, article 3.
+    pub is_vulnerable: bool,
     /// ρ in [0, 1]: how far this person is responsible for the danger, as stated by the planner.
     pub responsibility: f64,
+}
+
+impl Stake {
+    /// Whether this person is not involved: no occupant of the ego vehicle, and stated to have no
+    /// responsibility for the danger. Where nothing is stated, that is 0.
+    ///
+    /// The ethics commission of the German ministry of transport (2017, rule 9) forbids that those
+    /// who generate mobility risks sacrifice those who do not. Who generates risks by taking part
+    /// in traffic at all is not known here: occupants of other vehicles count as not involved
+    /// unless the planner states their responsibility.
+    #[must_use]
+    pub fn is_uninvolved(&self) -> bool {
+        !self.is_ego && self.responsibility == 0.0
+    }
+}
+
+/// Persons who may be there besides those at stake, of whom nobody knows whether they are: how
+/// many, and the sum of the upper ends of their risks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Others {
+    /// All of them.
+    pub all: (u32, f64),
+    /// Those outside of vehicles.
+    pub vulnerable: (u32, f64),
+    /// Those not involved.
+    pub uninvolved: (u32, f64),
+}
+
+impl Others {
+    /// Adds so many persons who would have this at stake, each with at most this risk.
+    pub fn add(&mut self, stake: &Stake, count: u32, risk: f64) {
+        let groups = [
+            (&mut self.all, true),
+            (&mut self.vulnerable, stake.is_vulnerable),
+            (&mut self.uninvolved, stake.is_uninvolved()),
+        ];
+        for ((number, sum), _) in groups.into_iter().filter(|(_, is_in)| *is_in) {
+            *number += count;
+            *sum += f64::from(count) * risk;
+        }
+    }
+
+    /// Whether every sum is a number.
+    pub(crate) fn are_sound(&self) -> bool {
+        let sums = [self.all.1, self.vulnerable.1, self.uninvolved.1];
+        sums.iter().all(|sum| *sum >= 0.0 && sum.is_finite())
+    }
 }
 
 /// A weighted sum with equality is monotone in exact arithmetic only: its ends move out by this,
@@ -73,6 +127,8 @@ impl Rule {
             Self::Maximin => "maximin",
             Self::Responsibility => "responsibility",
             Self::EgoOnly => "ego-only",
+            Self::Vulnerable => "vulnerable",
+            Self::Uninvolved => "uninvolved",
         }
     }
 
@@ -86,6 +142,10 @@ impl Rule {
     fn of(self, n: usize, risk: impl Fn(usize) -> f64, stakes: &[Stake]) -> f64 {
         let mean = |sum: f64, n: f64| if n > 0.0 { sum / n } else { 0.0 };
         let risks = || (0..n).map(&risk);
+        let mean_of = |is_in: fn(&Stake) -> bool| {
+            let group = || risks().zip(stakes).filter(|(_, stake)| is_in(stake)).map(|(r, _)| r);
+            mean(group().sum(), group().count() as f64)
+        };
         match self {
             Self::Bayes => mean(risks().sum(), n as f64),
             Self::Equality => pairs(n, |i, j| (risk(i) - risk(j)).abs()),
@@ -94,11 +154,23 @@ impl Rule {
                 let rest = risks().zip(stakes).map(|(r, s)| (1.0 - s.responsibility) * r);
                 mean(rest.sum(), n as f64)
             }
-            Self::EgoOnly => {
-                let ego = || risks().zip(stakes).filter(|(_, s)| s.is_ego).map(|(r, _)| r);
-                mean(ego().sum(), ego().count() as f64)
-            }
+            Self::EgoOnly => mean_of(|stake| stake.is_ego),
+            Self::Vulnerable => mean_of(|stake| stake.is_vulnerable),
+            Self::Uninvolved => mean_of(Stake::is_uninvolved),
         }
+    }
+
+    /// For a mean that [`Others`] may be in: over how many persons at stake it is taken, how many
+    /// others there may be, and the sum of their risks.
+    fn widened(self, stakes: &[Stake], others: &Others) -> Option<(f64, f64, f64)> {
+        let (is_in, (more, sum)): (fn(&Stake) -> bool, _) = match self {
+            Self::Bayes | Self::Responsibility => (|_| true, others.all),
+            Self::Vulnerable => (|stake| stake.is_vulnerable, others.vulnerable),
+            Self::Uninvolved => (Stake::is_uninvolved, others.uninvolved),
+            Self::Equality | Self::Maximin | Self::EgoOnly => return None,
+        };
+        let n = stakes.iter().filter(|stake| is_in(stake)).count() as f64;
+        Some((n, (n + f64::from(more)).max(1.0), sum))
     }
 }
 
@@ -160,20 +232,24 @@ impl Measure {
         }
     }
 
-    /// Its upper end `high` if persons are there besides the `n` at stake, of whom nobody knows
-    /// whether they are: their number, and the sum of their risks. Only means change: they are then
-    /// those of everybody. The rest is as it was, and so is a mean that would be less.
+    /// Its upper end `high` if persons are there besides those at stake, of whom nobody knows
+    /// whether they are. Only means change: they are then those of everybody in their group. The
+    /// rest is as it was, and so is a mean that would be less.
     #[must_use]
-    pub fn with_others(&self, high: f64, n: usize, (others, sum): (u32, f64)) -> f64 {
-        let all = (n as f64 + f64::from(others)).max(1.0);
-        let is_mean = |rule: Rule| matches!(rule, Rule::Bayes | Rule::Responsibility);
+    pub fn with_others(&self, high: f64, stakes: &[Stake], others: &Others) -> f64 {
         match self {
-            Self::Rule(rule) if is_mean(*rule) => ((high * n as f64 + sum) / all).max(high),
+            Self::Rule(rule) => match rule.widened(stakes, others) {
+                Some((n, all, sum)) => ((high * n + sum) / all).max(high),
+                None => high,
+            },
             Self::Weighted(terms) => {
-                let means = terms.iter().filter(|term| is_mean(term.rule));
-                high + means.map(|term| term.weight * sum / all).sum::<f64>()
+                let rise = |term: &Term| {
+                    let (_, all, sum) = term.rule.widened(stakes, others)?;
+                    Some(term.weight * sum / all)
+                };
+                high + terms.iter().filter_map(rise).sum::<f64>()
             }
-            Self::Rule(_) | Self::Worst(_) | Self::Energy => high,
+            Self::Worst(_) | Self::Energy => high,
         }
     }
 

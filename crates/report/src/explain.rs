@@ -273,7 +273,10 @@ fn persons(lines: &mut Vec<String>, alike: &[&PersonChain], probability: f64) {
 fn stability(lines: &mut Vec<String>, explanation: &Explanation) {
     let stability = &explanation.stability;
     let name = |number: usize| explanation.names[number].as_str();
-    lines.push(format!("What would flip the winner, \"{}\"", name(stability.winner)));
+    lines.push(match stability.winner {
+        Some(winner) => format!("What would flip the winner, \"{}\"", name(winner)),
+        None => "What would let a candidate win: the policy lets none be chosen".to_owned(),
+    });
     for margin in &stability.margins {
         let step = explanation.steps.get(margin.step).map_or("", String::as_str);
         let next = match margin.next {
@@ -283,14 +286,17 @@ fn stability(lines: &mut Vec<String>, explanation: &Explanation) {
         lines.push(format!("  {step}: {:.5}; {next}", margin.winner));
     }
     for reserve in &stability.reserves {
-        let (Some(at), Some(who)) = (reserve.flips_at, reserve.winner) else { continue };
+        let Some(at) = reserve.flips_at else { continue };
+        let who = match reserve.winner {
+            Some(who) => format!("\"{}\" wins", name(who)),
+            None => "nobody wins".to_owned(),
+        };
         lines.push(format!(
-            "  {} is {}; from {} on ({}), \"{}\" wins",
+            "  {} is {}; from {} on ({}), {who}",
             knob(&reserve.knob),
             short(reserve.value),
             short(at),
-            moved(reserve, at),
-            name(who)
+            moved(reserve, at)
         ));
     }
     let firm = stability.reserves.iter().filter(|reserve| reserve.flips_at.is_none());

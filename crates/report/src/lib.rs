@@ -31,6 +31,7 @@ mod measurement;
 mod pack;
 pub mod pictures;
 pub mod plan;
+pub mod policy_map;
 mod shot;
 pub mod still;
 pub mod text;

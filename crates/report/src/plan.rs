@@ -68,7 +68,7 @@ fn rows(answer: &Answer) -> Vec<(usize, &CourseRow)> {
 pub fn page(page: &PlanPage<'_>) -> String {
     let PlanPage { answer, scene, .. } = page;
     let rows = rows(answer);
-    let title = title(&rows, answer.state);
+    let title = title(&rows, answer);
     let mut body = String::new();
     head(page, &rows, &title, &mut body);
     ranking(&rows, &mut body);
@@ -101,12 +101,15 @@ pub fn page(page: &PlanPage<'_>) -> String {
     framed(&title, &body, STYLE, &scripts)
 }
 
-fn title(rows: &[(usize, &CourseRow)], state: AnswerState) -> String {
+fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
     let Some((_, first)) = rows.first() else { return "Nothing to rank".to_owned() };
+    if answer.refusal().is_some() {
+        return "No way is acceptable under the policy".to_owned();
+    }
     if first.touches_nobody() {
         return format!("Touches nobody: {}", first.name);
     }
-    match state {
+    match answer.state {
         AnswerState::Complete | AnswerState::Certified => format!("Least harm: {}", first.name),
         AnswerState::Degraded => format!("Least harm, as far as is known: {}", first.name),
         AnswerState::Refused => "Not known which does least harm".to_owned(),
@@ -136,7 +139,9 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
     let mut say = |term: &str, text: String| {
         let _w = write!(body, "<dt>{term}</dt><dd>{text}</dd>");
     };
-    if let Some((_, first)) = rows.first() {
+    if let Some(refusal) = answer.refusal() {
+        say("What the policy says", format!("{}.", name(&refusal.sentence())));
+    } else if let Some((_, first)) = rows.first() {
         say("What happens", happens(first));
     }
     let mut sure = match answer.state {
@@ -157,7 +162,9 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
     }
     say("How sure", sure);
     if let Some(first) = first {
-        if rows.first().is_some_and(|(place, _)| *place > 0) {
+        if answer.refusal().is_some() {
+            say("First in order", bdi(&first.name));
+        } else if rows.first().is_some_and(|(place, _)| *place > 0) {
             say("First under the policy", bdi(&first.name));
         }
         if let Some(why) = &first.why {
@@ -172,7 +179,9 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
     let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
     let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
     let remarks = work.remarks.iter().map(|text| format!("Note: {text}."));
-    for remark in missing.chain(assumed).chain(remarks) {
+    let notes = answer.notes.iter().filter(|note| !note.is_refusal());
+    let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
+    for remark in missing.chain(assumed).chain(notes).chain(remarks) {
         let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
     }
     body.push_str("</header>");

@@ -17,8 +17,13 @@ fn verdict(state: AnswerState) -> WireState {
     }
 }
 
-/// Encodes an answer. Candidates and parties are named by their numbers: see `ask.rs`.
+/// Encodes an answer. Candidates and parties are named by their numbers: see `ask.rs`. Where the
+/// policy lets no candidate be chosen there is no ranking, lest anybody take its first place.
 pub(crate) fn lay_out(sequence: u64, answer: &Answer) -> WireAnswer {
+    if let Some(refusal) = answer.refusal() {
+        let (refused, reason) = (WireState::Refused, Reason::NoneAcceptable);
+        return WireAnswer::without_ranking(sequence, refused, reason, &refusal.sentence());
+    }
     let verdict = verdict(answer.state);
     let reason = if verdict == WireState::Refused { Reason::Unassessable } else { Reason::None };
     let mut out = WireAnswer::without_ranking(sequence, verdict, reason, "");
@@ -92,5 +97,40 @@ fn contact_of(row: &ContactRow) -> WireContact {
         closing_m_s: row.closing_m_s,
         ego_delta_v_m_s: row.delta_v_m_s[0].work.into(),
         other_delta_v_m_s: row.delta_v_m_s[1].work.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! What the policy refuses has no ranking, whatever its state.
+    use super::*;
+    use damage::Note;
+
+    #[test]
+    fn where_the_policy_lets_none_be_chosen_there_is_no_first_place() {
+        let missing = Some("0".into());
+        for state in [AnswerState::Complete, AnswerState::Certified, AnswerState::Degraded] {
+            let answer = Answer {
+                state,
+                policy: "board".to_owned(),
+                ranking: Vec::new(),
+                tie_class: Vec::new(),
+                notes: vec![
+                    Note::EgoOnly,
+                    Note::Refused { at_most: 0.1, missing: missing.clone() },
+                ],
+                assumptions: Vec::new(),
+                settled_places: 0,
+                missing: Vec::new(),
+            };
+            let out = lay_out(7, &answer);
+            assert_eq!((out.verdict(), out.reason()), (WireState::Refused, Reason::NoneAcceptable));
+            assert_eq!((out.place_count, out.sequence), (0, 7));
+            assert!(
+                out.text().starts_with("none is acceptable under the policy"),
+                "{}",
+                out.text()
+            );
+        }
     }
 }

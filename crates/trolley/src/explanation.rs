@@ -186,8 +186,8 @@ pub use damage::Reserve;
 /// # let Some(explanation) = explanation else { unreachable!() };
 /// let stability = &explanation.stability;
 /// let flips = stability.reserves.iter().filter(|reserve| reserve.flips_at.is_some());
-/// println!("{} wins, unless one of {} numbers changes",
-///     explanation.names[stability.winner], flips.count());
+/// let winner = stability.winner.map_or("nobody", |winner| &explanation.names[winner]);
+/// println!("{winner} wins, unless one of {} numbers changes", flips.count());
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::Stability;

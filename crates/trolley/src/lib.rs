@@ -142,7 +142,7 @@
 //! | [`bodies`] | bodies opened, generated, sealed |
 //! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
 //! | [`model`] | model files imported, generated, inspected, checked, exported |
-//! | [`policy`] | policies and curves checked |
+//! | [`policy`] | policies and curves checked, who signed them, and who wins under which |
 //! | [`doctor`] | what this machine has of what the service needs |
 //!
 //! # Invariants
@@ -368,6 +368,21 @@ pub use coordinator::Until;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::AnswerState;
+
+/// A remark on the ranking of an [`Answer`]: one of them may be that nobody wins.
+///
+/// ```
+/// # use trolley::{Engine, Limits, Note, Scenario};
+/// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &Limits::default())?.answer;
+/// for note in &answer.notes {
+///     println!("Note: {}", note.sentence());
+/// }
+/// assert_eq!(answer.refusal().map(Note::sentence), None);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use damage::Note;
 
 pub use deployment::OpenDeployment;
 

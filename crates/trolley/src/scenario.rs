@@ -341,6 +341,50 @@ impl Scenario {
         &self.criteria
     }
 
+    /// Replaces the policy, whichever the scenario names.
+    ///
+    /// ```
+    /// use trolley::{Scenario, SourceText};
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// let name = "../../config/policies/weighted.toml".to_owned();
+    /// let text = trolley::read_text(name.as_ref())?;
+    /// let scenario = scenario.with_policy(SourceText { name, text })?;
+    /// assert_eq!(scenario.criteria().policy.name, "weighted");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If it is not valid, or the curves do not cover its outcome.
+    pub fn with_policy(self, policy: SourceText) -> Result<Self, Failure> {
+        let texts = Texts { policy, ..self.texts };
+        let criteria = criteria(&texts)?;
+        Ok(Self { texts, criteria, ..self })
+    }
+
+    /// Replaces the curves, whichever the scenario names.
+    ///
+    /// ```
+    /// use trolley::{Scenario, SourceText};
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// let name = "../../config/curves/default.toml".to_owned();
+    /// let text = trolley::read_text(name.as_ref())?.replace("\"default\"", "\"own\"");
+    /// let scenario = scenario.with_curves(SourceText { name, text })?;
+    /// assert_eq!(scenario.criteria().curves.name, "own");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If they are not valid, or do not cover the outcome of the policy.
+    pub fn with_curves(self, curves: SourceText) -> Result<Self, Failure> {
+        let texts = Texts { curves, ..self.texts };
+        let criteria = criteria(&texts)?;
+        Ok(Self { texts, criteria, ..self })
+    }
+
     /// Returns the path of a file that the scenario names.
     ///
     /// ```
@@ -357,6 +401,25 @@ impl Scenario {
     #[must_use]
     pub fn path_of(&self, reference: &FileRef) -> PathBuf {
         beside(Path::new(self.file()), reference.path.as_ref())
+    }
+
+    /// This scenario with these values in place of its own, whatever its texts say: to be ranked,
+    /// not to be recorded.
+    pub(crate) fn varied(
+        &self,
+        parsed: scenario::Scenario,
+        policy: Policy,
+        curves: Curves,
+    ) -> Self {
+        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
+        let criteria = Criteria { policy, curves, ..self.criteria.clone() };
+        Self { parsed, criteria, ..self.clone() }
+    }
+
+    /// This scenario without a deadline: its outcome does not depend on the machine then.
+    pub(crate) fn without_deadline(mut self) -> Self {
+        self.parsed.deadline = None;
+        self
     }
 
     /// The bodies of the parties, in their order.

@@ -97,6 +97,9 @@ pub fn serve(
     let group = opened.group_id()?;
     let signer = options.signer.map(|signer| signer.with_deployment(&opened).of_decisions());
     let criteria = opened.criteria()?;
+    if let Some(expiry) = crate::policy::expiry(&criteria.policy, crate::policy::today()) {
+        tracing::warn!("{expiry}");
+    }
     let bodies = Bodies::of_deployment(&opened)?;
     let views = bodies.views()?;
     let engine = &opened.deployment.engine;

@@ -35,10 +35,18 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The candidate of least harm; `None` if there are no candidates or no bound can be given.
+    /// The candidate of least harm; `None` if there are no candidates, no bound can be given, or
+    /// the policy lets none be chosen.
     #[must_use]
     pub fn best(&self) -> Option<&CourseRow> {
-        if self.state == AnswerState::Refused { None } else { self.ranking.first() }
+        let has_winner = self.state != AnswerState::Refused && self.refusal().is_none();
+        self.ranking.first().filter(|_| has_winner)
+    }
+
+    /// The remark that the policy lets no candidate be chosen, if it does not.
+    #[must_use]
+    pub fn refusal(&self) -> Option<&Note> {
+        self.notes.iter().find(|note| note.is_refusal())
     }
 }
 

@@ -6,7 +6,7 @@
 
 use crate::request::{Person, Persons};
 use body::{BodyKind, BodyView, Meta, Seat};
-use damage::party::{Seats, is_fixed};
+use damage::party::{Seats, is_fixed, is_vulnerable};
 use damage::rule::Stake;
 use damage::{Aboard, CourseHarm, PersonId};
 use scenario::{Occupancy, Scenario};
@@ -75,7 +75,8 @@ impl People {
                 },
             };
             let is_ego = number == scenario.ego.0;
-            let stake = Stake { is_ego, responsibility: party.responsibility };
+            let is_vulnerable = is_vulnerable(meta.kind);
+            let stake = Stake { is_ego, is_vulnerable, responsibility: party.responsibility };
             let first = people.list.len();
             let person = |seat| Person { party: party.name.clone(), seat, stake };
             people.list.extend(seats.into_iter().map(person));
@@ -107,8 +108,9 @@ impl People {
             let ids = self.aboard[*party].clone().map(PersonId);
             let highs = ids.clone().filter_map(|id| harm.risk_of(id)).map(|r| r.range.high());
             let high = highs.fold(0.0, f64::max);
-            harm.others.0 += more;
-            harm.others.1 += f64::from(*more) * high;
+            if let Some(first) = self.list.get(self.aboard[*party].start) {
+                harm.others.add(&first.stake, *more, high);
+            }
             ids.for_each(|id| harm.suppose(id));
         }
     }

@@ -17,7 +17,7 @@ use crate::workspace::{BodySet, RunError};
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
-use damage::{CandidateHarm, CourseHarm};
+use damage::{CandidateHarm, CourseHarm, Criteria};
 use geometry::DVec3;
 use runtime::clock;
 
@@ -93,8 +93,15 @@ impl<'r> Rounds<'r> {
             }
         }
         self.effort.search_ns += clock::now_ns() - begun_ns;
-        let (persons, criteria) = (self.people.list.clone(), self.request.criteria.clone());
-        let contacts = Request { candidates: contacts, persons, criteria };
+        // Its candidates are fewer, so their numbers are others.
+        let policy = self
+            .request
+            .criteria
+            .policy
+            .among(contacts.iter().map(|contact| contact.name.as_str()));
+        let criteria = Criteria { policy, ..self.request.criteria.clone() };
+        let contacts =
+            Request { candidates: contacts, persons: self.people.list.clone(), criteria };
         Ok(Round { meetings, contacts })
     }
 

@@ -414,7 +414,7 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     let mut way = Way::new(scenery, &scenario.candidates[0]);
     way.open_from_s = Some(0.0);
     let harm = harm_of(&people, &Course::new(way), None);
-    let (more, greatest) = harm.others;
+    let (more, greatest) = harm.others.all;
     assert!(more > 0);
     assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");
     let mut ranges = harm.persons.iter().map(|risk| risk.range);

@@ -4,10 +4,13 @@ use super::*;
 use crate::fixtures::with_policy;
 use damage::Policy;
 
-const POLICIES: [&str; 6] = [
+const POLICIES: [&str; 9] = [
+    include_str!("../../config/policies/acceptable-or-brake.toml"),
     include_str!("../../config/policies/default.toml"),
     include_str!("../../config/policies/ego-only.toml"),
     include_str!("../../config/policies/precaution.toml"),
+    include_str!("../../config/policies/uninvolved-first.toml"),
+    include_str!("../../config/policies/vulnerable-first.toml"),
     include_str!("../../config/policies/weighted.toml"),
     include_str!("../../config/policies/worst-case-averse.toml"),
     include_str!("../../config/policies/worst-off-first.toml"),

@@ -1,18 +1,24 @@
 //! Reading a policy from TOML, and the checks that refuse an unsound one.
 
-use super::{Composition, DEFAULT_POLICY, Policy, Property, Step, TieBreak};
+use super::dossier::{DossierText, RegressionText, dossier};
+use super::{
+    Composition, DEFAULT_POLICY, NamedCandidate, Otherwise, Policy, Property, Step, TieBreak,
+};
 use crate::curve::Level;
 use crate::fault::{DataFileError, Source};
 use crate::rule::{Measure, Rule, Term};
 use serde::Deserialize;
+use std::sync::Arc;
 use toml::Spanned;
 
 /// Weights sum to 1 within this.
 const SUM_SLACK: f64 = 1e-9;
 
 const KEYS: &str = "a policy has schema, name, board, outcome, composition, property, tie_break, \
-                    tolerance, [[level]] (rule, tolerance, accept) and, if weighted, [[term]] \
-                    (rule, weight)";
+                    preferred, tolerance, [[level]] (rule, tolerance, accept, otherwise, \
+                    fall_back), if weighted, [[term]] (rule, weight), and, if signed, [dossier] \
+                    (signed, dissent, evidence, valid_until) and [[regression]] (scenario, \
+                    winner or refused, worst, reason)";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,11 +30,15 @@ struct File {
     composition: Spanned<Kind>,
     property: Property,
     tie_break: Spanned<Vec<TieBreak>>,
+    preferred: Option<Spanned<Vec<String>>>,
     tolerance: Option<Spanned<f64>>,
     #[serde(default)]
     level: Vec<Spanned<LevelText>>,
     #[serde(default)]
     term: Vec<Spanned<TermText>>,
+    dossier: Option<Spanned<DossierText>>,
+    #[serde(default)]
+    regression: Vec<Spanned<RegressionText>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -47,7 +57,17 @@ enum LevelRule {
     Maximin,
     Responsibility,
     EgoOnly,
+    Vulnerable,
+    Uninvolved,
     Precaution,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum OtherwiseText {
+    NextRule,
+    Refuse,
+    FallBack,
 }
 
 #[derive(Deserialize)]
@@ -56,6 +76,8 @@ struct LevelText {
     rule: LevelRule,
     tolerance: Option<Spanned<f64>>,
     accept: Option<Spanned<f64>>,
+    otherwise: Option<Spanned<OtherwiseText>>,
+    fall_back: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -73,6 +95,8 @@ impl LevelRule {
             Self::Maximin => Some(Rule::Maximin),
             Self::Responsibility => Some(Rule::Responsibility),
             Self::EgoOnly => Some(Rule::EgoOnly),
+            Self::Vulnerable => Some(Rule::Vulnerable),
+            Self::Uninvolved => Some(Rule::Uninvolved),
             Self::Precaution => None,
         }
     }
@@ -95,7 +119,8 @@ impl Policy {
     /// Line, column, fault and remedy, for: text that is not TOML, a missing or unknown key (age,
     /// sex and condition among them), an unknown rule, weights that are negative, not finite or do
     /// not sum to 1, more weight on equality than half of that on Bayes, a tolerance or accepted
-    /// risk out of [0, 1], keys that do not go together, and a tie-break that leaves ties.
+    /// risk out of [0, 1], keys that do not go together, a tie-break that leaves ties, an accepted
+    /// risk that binds behind another rule, and a dossier without names or with a bad date.
     pub fn parse(file: &str, text: &str) -> Result<Self, DataFileError> {
         let source = Source { file, text };
         let read: File = toml::from_str(text).map_err(|e| source.malformed(&e, KEYS))?;
@@ -107,6 +132,13 @@ impl Policy {
         let mut levels = Vec::with_capacity(read.level.len());
         for level in &read.level {
             let step = step(&source, level)?;
+            let next = Otherwise::NextRule;
+            let binds = matches!(&step, Step::Accept { otherwise, .. } if *otherwise != next);
+            if binds && !levels.is_empty() {
+                let fault = "an accepted risk binds behind another rule";
+                let remedy = "make it the first [[level]]: what binds comes before what compares";
+                return Err(source.fault(level.span(), fault, remedy));
+            }
             if kind != Kind::Lexicographic && matches!(step, Step::Least { .. }) {
                 let fault = "only precaution can come before a weighted sum or leximin";
                 let remedy = "take the rule into a [[term]], or compose lexicographically";
@@ -145,6 +177,8 @@ impl Policy {
             let remedy = "end tie_break with \"request\", and name it once: it leaves no tie";
             return Err(source.fault(read.tie_break.span(), "ties could remain", remedy));
         }
+        let preferred = preferred(&source, &read.tie_break, read.preferred.as_ref())?;
+        let dossier = dossier(&source, read.dossier, read.regression)?;
         Ok(Self {
             name: read.name,
             board: read.board,
@@ -153,6 +187,8 @@ impl Policy {
             composition,
             property: read.property,
             tie_break: read.tie_break.into_inner(),
+            preferred,
+            dossier: dossier.map(Arc::new),
         })
     }
 }
@@ -168,12 +204,25 @@ fn share(source: &Source<'_>, number: &Spanned<f64>) -> Result<f64, DataFileErro
 
 fn step(source: &Source<'_>, text: &Spanned<LevelText>) -> Result<Step, DataFileError> {
     let level = text.get_ref();
+    let keys = [
+        level.otherwise.as_ref().map(|key| ("otherwise", key.span())),
+        level.fall_back.as_ref().map(|key| ("fall_back", key.span())),
+    ];
+    if let Some((key, span)) = keys.into_iter().flatten().next()
+        && level.rule != LevelRule::Precaution
+    {
+        let remedy = format!("remove {key}, or write rule = \"precaution\"");
+        return Err(source.fault(span, format!("{key} belongs to precaution"), remedy));
+    }
     match (level.rule.rule(), &level.accept, &level.tolerance) {
         (Some(rule), None, tolerance) => Ok(Step::Least {
             measure: Measure::Rule(rule),
             tolerance: tolerance.as_ref().map_or(Ok(0.0), |t| share(source, t))?,
         }),
-        (None, Some(accept), None) => Ok(Step::Accept { at_most: share(source, accept)? }),
+        (None, Some(accept), None) => Ok(Step::Accept {
+            at_most: share(source, accept)?,
+            otherwise: otherwise(source, level)?,
+        }),
         (Some(_), Some(accept), _) => {
             let remedy = "remove accept, or write rule = \"precaution\"";
             Err(source.fault(accept.span(), "accept belongs to precaution", remedy))
@@ -183,6 +232,78 @@ fn step(source: &Source<'_>, text: &Spanned<LevelText>) -> Result<Step, DataFile
             Err(source.fault(text.span(), "precaution needs accept alone", remedy))
         }
     }
+}
+
+/// What a precaution says if no candidate is acceptable.
+fn otherwise(source: &Source<'_>, level: &LevelText) -> Result<Otherwise, DataFileError> {
+    let said = level.otherwise.as_ref();
+    match (said.map(|said| *said.get_ref()), &level.fall_back) {
+        (None | Some(OtherwiseText::NextRule), None) => Ok(Otherwise::NextRule),
+        (Some(OtherwiseText::Refuse), None) => Ok(Otherwise::Refuse),
+        (Some(OtherwiseText::FallBack), Some(name)) => {
+            named(source, name.get_ref(), name.span()).map(Otherwise::FallBack)
+        }
+        (Some(OtherwiseText::FallBack), None) => {
+            let remedy = "write fall_back = the name of a candidate, as scenarios write it";
+            let span = said.map_or(0..0, Spanned::span);
+            Err(source.fault(span, "it is not said on what to fall back", remedy))
+        }
+        (_, Some(name)) => {
+            let remedy = "write otherwise = \"fall-back\", or remove fall_back";
+            Err(source.fault(name.span(), "fall_back says nothing here", remedy))
+        }
+    }
+}
+
+/// A candidate that is named.
+fn named(
+    source: &Source<'_>,
+    name: &str,
+    span: core::ops::Range<usize>,
+) -> Result<NamedCandidate, DataFileError> {
+    if name.trim().is_empty() {
+        let remedy = "write the name of a candidate, as scenarios write it";
+        return Err(source.fault(span, "a candidate without a name", remedy));
+    }
+    Ok(NamedCandidate::new(name))
+}
+
+/// The candidates that the tie-break prefers: there are some where it does, and none where not.
+fn preferred(
+    source: &Source<'_>,
+    tie_break: &Spanned<Vec<TieBreak>>,
+    names: Option<&Spanned<Vec<String>>>,
+) -> Result<Vec<NamedCandidate>, DataFileError> {
+    let uses = tie_break.get_ref().iter().filter(|by| **by == TieBreak::BrakeInLane).count();
+    let names = match (uses, names) {
+        (0, None) => return Ok(Vec::new()),
+        (1, Some(names)) if !names.get_ref().is_empty() => names,
+        (1, _) => {
+            let remedy = "write preferred = [\"brake in lane\"], names as scenarios write them";
+            return Err(source.fault(
+                tie_break.span(),
+                "brake-in-lane is not said to be any candidate",
+                remedy,
+            ));
+        }
+        (0, Some(names)) => {
+            let remedy = "add \"brake-in-lane\" to tie_break, or remove preferred";
+            return Err(source.fault(names.span(), "preferred decides nothing", remedy));
+        }
+        _ => {
+            let remedy = "name brake-in-lane once";
+            return Err(source.fault(tie_break.span(), "a tie-break occurs twice", remedy));
+        }
+    };
+    let mut preferred: Vec<NamedCandidate> = Vec::with_capacity(names.get_ref().len());
+    for name in names.get_ref() {
+        if preferred.iter().any(|known| *known.name == **name) {
+            let fault = format!("\"{name}\" is preferred twice");
+            return Err(source.fault(names.span(), fault, "name each candidate once"));
+        }
+        preferred.push(named(source, name, names.span())?);
+    }
+    Ok(preferred)
 }
 
 fn weights(

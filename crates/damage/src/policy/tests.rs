@@ -13,6 +13,8 @@ const LEXIMIN: &str =
 const PRECAUTION: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/config/policies/precaution.toml"));
 
+const BINDING: &str = "\n[[level]]\nrule = \"precaution\"\naccept = 0.1\notherwise = \"refuse\"\n";
+
 fn least(rule: Rule, tolerance: f64) -> Step {
     Step::Least { measure: Measure::Rule(rule), tolerance }
 }
@@ -44,7 +46,7 @@ fn every_shipped_policy_loads_and_weighs_property_last() {
 fn before_property_persons_are_compared_again_without_tolerance() {
     let policy = Policy::parse("", PRECAUTION).expect("sound");
     let expected = [
-        Step::Accept { at_most: 0.1 },
+        Step::Accept { at_most: 0.1, otherwise: Otherwise::NextRule },
         least(Rule::Responsibility, 0.005),
         least(Rule::Maximin, 0.0),
         least(Rule::Responsibility, 0.0),
@@ -57,6 +59,12 @@ fn before_property_persons_are_compared_again_without_tolerance() {
 fn unsound_policies_are_refused_with_their_place() {
     let default = |from: &str, to: &str| DEFAULT_POLICY.replacen(from, to, 1);
     let weighted = |from: &str, to: &str| WEIGHTED.replacen(from, to, 1);
+    let precaution =
+        |more: &str| PRECAUTION.replacen("accept = 0.1", &format!("accept = 0.1\n{more}"), 1);
+    let preferred = |names: &str| {
+        let tie_break = format!("preferred = {names}\ntie_break = [\"brake-in-lane\", ");
+        DEFAULT_POLICY.replacen("tie_break = [\"energy\", ", &tie_break, 1)
+    };
     let cases = [
         (default("schema = 1", "schema = 7"), "unknown schema"),
         (default("\"bayes\"", "\"bayesian\""), "bayesian"),
@@ -75,6 +83,20 @@ fn unsound_policies_are_refused_with_their_place() {
         (weighted("rule = \"equality\"", "rule = \"bayes\""), "twice"),
         (weighted("tolerance = 0.0", "tolerance = 2.0"), "[0, 1]"),
         (format!("{WEIGHTED}\n[[level]]\nrule = \"bayes\"\n"), "only precaution"),
+        (default("tolerance = 0.0", "otherwise = \"refuse\""), "otherwise belongs to precaution"),
+        (default("tolerance = 0.0", "fall_back = \"brake\""), "fall_back belongs to precaution"),
+        (precaution("otherwise = \"fall-back\""), "on what to fall back"),
+        (precaution("fall_back = \"brake\""), "fall_back says nothing here"),
+        (precaution("otherwise = \"refuse\"\nfall_back = \"brake\""), "fall_back says nothing"),
+        (precaution("otherwise = \"fall-back\"\nfall_back = \" \""), "without a name"),
+        (precaution("otherwise = \"stop\""), "stop"),
+        (format!("{DEFAULT_POLICY}{BINDING}"), "binds behind another rule"),
+        (default("\"energy\"", "\"brake-in-lane\""), "not said to be any candidate"),
+        (default("tie_break", "preferred = [\"a\"]\ntie_break"), "preferred decides nothing"),
+        (preferred("[\"a\", \"a\"]"), "preferred twice"),
+        (preferred("[\"\"]"), "without a name"),
+        (preferred("[]"), "not said to be any candidate"),
+        (preferred("[\"a\"]").replace("\"high\"", "\"brake-in-lane\""), "occurs twice"),
     ];
     for (text, expected) in cases {
         let fault = refused(&text);
@@ -110,4 +132,28 @@ fn equality_may_not_make_harm_an_improvement() {
     };
     assert!((sum(&[0.2, 0.2, 0.0]) - 0.15556).abs() < 1e-5);
     assert!((sum(&[0.2, 0.2, 0.1]) - 0.14444).abs() < 1e-5);
+}
+
+#[test]
+fn a_policy_finds_the_candidates_that_it_names_by_their_exact_names() {
+    let head = DEFAULT_POLICY.replace(
+        "tie_break = [\"energy\"",
+        "preferred = [\"brake in lane\", \"brake\"]\ntie_break = [\"brake-in-lane\"",
+    );
+    let (head, levels) = head.split_at(head.find("[[level]]").expect("it has levels"));
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.1\notherwise = \"fall-back\"\n";
+    let text = format!("{head}{first}fall_back = \"brake\"\n{levels}");
+    let policy = Arc::new(Policy::parse("", &text).expect("sound"));
+    let numbers = |names: &[&str]| {
+        let policy = policy.among(names.iter().copied());
+        let Step::Accept { otherwise, .. } = &policy.levels[0] else { panic!("{policy:?}") };
+        let preferred = policy.preferred.iter().map(|named| named.number);
+        (otherwise.fall_back(), preferred.collect::<Vec<_>>())
+    };
+    assert_eq!(numbers(&["swerve", "brake", "brake in lane"]), (Some(1), vec![Some(2), Some(1)]));
+    assert_eq!(numbers(&["Brake", "brake "]), (None, vec![None, None]));
+    assert_eq!(policy.levels[0].to_string(), "nobody's upper end above 0.1, or \"brake\"");
+    // What names nobody is not copied.
+    let shipped = Arc::new(Policy::shipped().expect("sound"));
+    assert!(Arc::ptr_eq(&shipped, &shipped.among(["brake"].into_iter())));
 }

@@ -3,6 +3,7 @@
 use crate::assess::Risk;
 use crate::harm::CandidateHarm;
 use crate::interval::Interval;
+use crate::rule::Others;
 
 /// What ranking needs of a candidate.
 pub trait Assessed {
@@ -12,9 +13,9 @@ pub trait Assessed {
     fn energy_j(&self) -> Interval;
     /// The persons whom anything may happen to; everybody else is untouched.
     fn risks(&self) -> impl Iterator<Item = Risk>;
-    /// How many persons may be there besides those at stake, in all parties of the request, and the
+    /// Who may be there besides those at stake, in all parties of the request: how many, and the
     /// upper ends of the model range of those of them who are in a contact, summed.
-    fn others(&self) -> (u32, f64);
+    fn others(&self) -> Others;
     /// Whether no open work can change any of this.
     fn is_done(&self) -> bool;
     /// Whether there are no figures.
@@ -34,8 +35,8 @@ impl Assessed for CandidateHarm {
         self.persons.iter().map(Risk::of)
     }
 
-    fn others(&self) -> (u32, f64) {
-        (0, 0.0)
+    fn others(&self) -> Others {
+        Others::default()
     }
 
     fn is_done(&self) -> bool {

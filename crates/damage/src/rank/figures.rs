@@ -3,6 +3,7 @@
 use super::{Assessed, RankError};
 use crate::assess::{CandidateBounds, Risk};
 use crate::interval::Interval;
+use crate::rule::Others;
 
 /// Figures are rounded to this many parts per unit before they are compared: rounding of sums, and
 /// the last bits in which equal crashes differ, must not order candidates.
@@ -28,8 +29,8 @@ pub(super) struct Figures {
     pub(super) highs: Vec<Interval>,
     /// Energy lost (J).
     pub(super) energy_j: Interval,
-    /// Persons who may be there besides, and the sum of their risks.
-    pub(super) others: (u32, f64),
+    /// Persons who may be there besides.
+    pub(super) others: Others,
 }
 
 impl Figures {
@@ -40,7 +41,7 @@ impl Figures {
         bounds: &CandidateBounds,
         n: usize,
     ) -> Result<(), RankError> {
-        self.others = (0, 0.0);
+        self.others = Others::default();
         self.fill((k, n), bounds.probability, bounds.energy_j, bounds.persons.iter().copied())
     }
 
@@ -52,7 +53,7 @@ impl Figures {
         n: usize,
     ) -> Result<(), RankError> {
         self.others = harm.others();
-        if !(self.others.1 >= 0.0 && self.others.1.is_finite()) {
+        if !self.others.are_sound() {
             return Err(RankError::Figure(k));
         }
         self.fill((k, n), harm.probability(), harm.energy_j(), harm.risks())

@@ -28,6 +28,13 @@ impl Ground {
                 "{first} before {second}: nobody's risk exceeds {at_most} (at most {a:.5} \
                  against {b:.5})"
             ),
+            Self::FallBack { at_most, first: a, second: b, .. } => format!(
+                "{first} before {second}: nobody's risk is to exceed {at_most}, which no candidate \
+                 keeps ({a:.5} and {b:.5}), and the policy falls back on it"
+            ),
+            Self::TieBreak { by: TieBreak::BrakeInLane, .. } => format!(
+                "{first} before {second}: equal under the policy; the tie-break prefers it by name"
+            ),
             Self::TieBreak { by: TieBreak::Request, .. } => {
                 format!("{first} before {second}: only their order in the request separates them")
             }
@@ -53,6 +60,8 @@ fn rule_in_words(rule: Rule) -> &'static str {
         Rule::Maximin => "greatest risk",
         Rule::Responsibility => "mean risk weighted by responsibility",
         Rule::EgoOnly => "mean risk of the ego vehicle's occupants",
+        Rule::Vulnerable => "mean risk of those outside of vehicles",
+        Rule::Uninvolved => "mean risk of those not involved",
     }
 }
 

@@ -6,13 +6,17 @@
 //! greatest upper end over P). So P keeps whose lower end may be within tolerance of m, and S whose
 //! upper end must be.
 //!
+//! A step that accepts a risk, and falls back on a named candidate if there is none, encloses K as
+//! the union of both cases while it is open which one it is. A policy that refuses all instead is
+//! in its order as one that goes on; but no place is certain while the refusal is not.
+//!
 //! At the end every possible winner is in P. If P has one member it is the winner. So is a finished
 //! member of S that the tie-break takes from P whatever the open members of P turn out to be:
 //! because it is in K, and best of a set that holds K.
 
 use super::{Each, RankOrder, rounded};
 use crate::interval::Interval;
-use crate::policy::{Step, TieBreak};
+use crate::policy::{Otherwise, Step, TieBreak};
 use core::cmp::Ordering;
 
 /// What encloses the candidates that the finished run would keep.
@@ -21,6 +25,8 @@ pub(super) struct Outlook {
     pub(super) possible: Each<usize>,
     /// S: kept for sure.
     pub(super) sure: Each<usize>,
+    /// Open work can change whether the policy refuses all of them.
+    pub(super) may_refuse: bool,
 }
 
 impl Outlook {
@@ -43,8 +49,10 @@ impl RankOrder<'_> {
         while !left.is_empty() {
             let outlook = self.outlook(&left);
             let winner = self.certain(&outlook, &is_done);
+            // What is refused, all together are.
+            let may_refuse = possible.is_none() && outlook.may_refuse;
             possible.get_or_insert(outlook.possible);
-            let Some(winner) = winner else { break };
+            let Some(winner) = winner.filter(|_| !may_refuse) else { break };
             left.retain(|k| *k != winner);
             settled += 1;
         }
@@ -80,6 +88,7 @@ impl RankOrder<'_> {
     /// What open work cannot bring a [`RankOrder::tie_value`] below.
     fn tie_at_least(&self, by: TieBreak, k: usize) -> f64 {
         match by {
+            TieBreak::BrakeInLane => self.preference(k),
             TieBreak::Energy => self.figures[k].energy_j.lo(),
             TieBreak::High => self.leading(k).0.lo(),
             TieBreak::Request => k as f64,
@@ -88,7 +97,7 @@ impl RankOrder<'_> {
 
     /// Takes all steps on intervals, among the candidates left.
     pub(super) fn outlook(&self, left: &[usize]) -> Outlook {
-        let mut outlook = Outlook { possible: left.into(), sure: left.into() };
+        let mut outlook = Outlook { possible: left.into(), sure: left.into(), may_refuse: false };
         for step in self.steps {
             match step {
                 Step::Least { measure, tolerance } => {
@@ -96,10 +105,10 @@ impl RankOrder<'_> {
                         (0..self.figures.len()).map(|k| self.over(measure, k)).collect();
                     least(&mut outlook, &over, *tolerance);
                 }
-                Step::Accept { at_most } => {
+                Step::Accept { at_most, otherwise } => {
                     let highs: Each<Interval> =
                         self.figures.iter().map(|f| f.greatest_high_over()).collect();
-                    accept(&mut outlook, &highs, rounded(*at_most));
+                    accept(&mut outlook, &highs, rounded(*at_most), otherwise);
                 }
             }
         }
@@ -123,17 +132,34 @@ pub(super) fn least(outlook: &mut Outlook, over: &[Interval], tolerance: f64) {
     outlook.retain(|k| over[k].lo() <= may, |k| over[k].hi() <= must);
 }
 
-/// A step that keeps what is acceptable, or everything if nothing is.
-fn accept(outlook: &mut Outlook, highs: &[Interval], at_most: f64) {
+/// A step that keeps what is acceptable; if nothing is, the candidate to fall back on, or else
+/// everything.
+fn accept(outlook: &mut Outlook, highs: &[Interval], at_most: f64, otherwise: &Otherwise) {
     let fits = |of: fn(Interval) -> f64| move |k: usize| of(highs[k]) <= at_most;
     let some_surely = outlook.sure.iter().any(|k| fits(Interval::hi)(*k));
     let some_possibly = outlook.possible.iter().any(|k| fits(Interval::lo)(*k));
-    match (some_surely, some_possibly) {
+    if some_surely {
         // Some candidate is surely acceptable, so only acceptable ones are kept.
-        (true, _) => outlook.retain(fits(Interval::lo), fits(Interval::hi)),
+        outlook.retain(fits(Interval::lo), fits(Interval::hi));
+        return;
+    }
+    let back = otherwise.fall_back().filter(|back| outlook.possible.contains(back));
+    let is_sure = back.is_some_and(|back| outlook.sure.contains(&back));
+    outlook.may_refuse |= match (otherwise, back) {
+        (Otherwise::NextRule, _) => false,
+        (_, Some(_)) => !is_sure,
+        (_, None) => some_possibly,
+    };
+    let is_back = |k: usize| back == Some(k);
+    match (some_possibly, back) {
+        // Perhaps one: then only acceptable ones are kept, or else the one to fall back on.
+        (true, Some(_)) if is_sure => {
+            outlook.retain(|k| fits(Interval::lo)(k) || is_back(k), fits(Interval::hi));
+        }
         // Perhaps: then any candidate may be kept, but only the acceptable ones must be.
-        (false, true) => outlook.retain(|_| true, fits(Interval::hi)),
+        (true, _) => outlook.retain(|_| true, fits(Interval::hi)),
+        (false, Some(_)) => outlook.retain(|k| is_back(k) || !is_sure, is_back),
         // Surely none: the step is skipped.
-        (false, false) => {}
+        (false, None) => {}
     }
 }

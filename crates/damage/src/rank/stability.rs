@@ -11,7 +11,7 @@
 //! here says that a change would be allowed: the resulting policy may well be refused.
 
 use super::figures::Figures;
-use super::{Assessed, RankError, RankOrder, Step, figures_of};
+use super::{Assessed, Note, RankError, RankOrder, Step, figures_of};
 use crate::curve::Curve;
 use crate::harm::{CandidateHarm, PersonHarm};
 use crate::interval::Interval;
@@ -68,7 +68,7 @@ pub struct Reserve {
     pub value: f64,
     /// Where the winner changes, nearest first to the value; `None`: nowhere in its range.
     pub flips_at: Option<f64>,
-    /// Who wins beyond.
+    /// Who wins beyond; `None`: nobody, as the policy then lets none be chosen, or nothing flips.
     pub winner: Option<usize>,
 }
 
@@ -87,8 +87,8 @@ pub struct Margin {
 /// How stable the winner is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stability {
-    /// Number of the winner in the request.
-    pub winner: usize,
+    /// Number of the winner in the request; `None`: the policy lets none be chosen.
+    pub winner: Option<usize>,
     /// Per step of the policy, until the winner is alone.
     pub margins: Vec<Margin>,
     /// Per number of the policy and of the nominal curves in use.
@@ -133,6 +133,9 @@ impl CandidateHarm {
     }
 }
 
+/// Number of the candidate that wins; `None`: the policy lets none be chosen.
+type Winner = Option<usize>;
+
 struct Sought<'a> {
     policy: &'a Policy,
     stakes: &'a [Stake],
@@ -157,9 +160,12 @@ impl<'a> Sought<'a> {
         policy.steps(self.stakes.len())
     }
 
-    fn winner(&self, policy: &Policy, figures: &[Figures]) -> usize {
+    fn winner(&self, policy: &Policy, figures: &[Figures]) -> Winner {
         let all: Vec<usize> = (0..figures.len()).collect();
-        self.order(policy, &self.steps(policy), figures).round(&all).winner
+        let steps = self.steps(policy);
+        let order = self.order(policy, &steps, figures);
+        let is_refused = order.unacceptable().any(|note| Note::is_refusal(&note));
+        (!is_refused).then(|| order.round(&all).winner)
     }
 
     fn margins(&self) -> Vec<Margin> {
@@ -185,21 +191,21 @@ impl<'a> Sought<'a> {
         margins
     }
 
-    fn of_policy(&self, winner: usize) -> Vec<Reserve> {
+    fn of_policy(&self, winner: Winner) -> Vec<Reserve> {
         let mut reserves = Vec::new();
         let mut seek = |knob, value, places: Vec<f64>, with: &dyn Fn(f64) -> Policy| {
             let winner_at = |x: f64| self.winner(&with(x), self.figures);
             let flip = nearest_flip(value, &places, winner, &winner_at);
-            let (flips_at, winner) = (flip.map(|(at, _)| at), flip.map(|(_, who)| who));
-            reserves.push(Reserve { knob, value, flips_at, winner });
+            reserves.push(Reserve::of(knob, value, flip));
         };
         for (level, step) in self.policy.levels.iter().enumerate() {
             match step {
-                Step::Accept { at_most } => {
+                Step::Accept { at_most, otherwise } => {
                     let places = self.figures.iter().map(Figures::greatest_high).collect();
                     seek(Knob::Accept { level }, *at_most, places, &|x| {
                         let mut policy = self.policy.clone();
-                        policy.levels[level] = Step::Accept { at_most: x };
+                        let otherwise = otherwise.clone();
+                        policy.levels[level] = Step::Accept { at_most: x, otherwise };
                         policy
                     });
                 }
@@ -273,11 +279,11 @@ impl<'a> Sought<'a> {
 
     fn of_curves<H: Assessed>(
         &self,
-        winner: usize,
+        winner: Winner,
         curves: &[Curve],
         with_curve: &dyn Fn(&Curve) -> Vec<H>,
     ) -> Result<Vec<Reserve>, RankError> {
-        let winner_with = |curve: &Curve| -> Result<usize, RankError> {
+        let winner_with = |curve: &Curve| -> Result<Winner, RankError> {
             let figures = figures_of(self.stakes, &with_curve(curve))?;
             Ok(self.winner(self.policy, &figures))
         };
@@ -302,8 +308,8 @@ impl<'a> Sought<'a> {
 }
 
 impl Reserve {
-    fn of(knob: Knob, value: f64, flip: Option<(f64, usize)>) -> Self {
-        let (flips_at, winner) = (flip.map(|(at, _)| at), flip.map(|(_, who)| who));
+    fn of(knob: Knob, value: f64, flip: Option<(f64, Winner)>) -> Self {
+        let (flips_at, winner) = (flip.map(|(at, _)| at), flip.and_then(|(_, who)| who));
         Self { knob, value, flips_at, winner }
     }
 }
@@ -327,9 +333,9 @@ fn pairs<T: Copy>(items: &[T]) -> impl Iterator<Item = (T, T)> {
 fn nearest_flip(
     value: f64,
     places: &[f64],
-    winner: usize,
-    at: &dyn Fn(f64) -> usize,
-) -> Option<(f64, usize)> {
+    winner: Winner,
+    at: &dyn Fn(f64) -> Winner,
+) -> Option<(f64, Winner)> {
     let outwards = |sign: f64, end: f64| {
         let beyond = |x: &f64| sign * (x - value) >= -SAME && sign * (end - x) > SAME;
         let mut places: Vec<f64> = places.iter().copied().filter(beyond).collect();
@@ -343,17 +349,17 @@ fn nearest_flip(
         })
     };
     let flips = [outwards(-1.0, 0.0), outwards(1.0, 1.0)];
-    let distance = |flip: &(f64, usize)| (flip.0 - value).abs();
+    let distance = |flip: &(f64, Winner)| (flip.0 - value).abs();
     flips.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// The least movement either way, up to `most`, after which another candidate wins.
 fn stepped(
     most: f64,
-    winner: usize,
-    at: impl Fn(f64) -> Result<usize, RankError>,
-) -> Result<Option<(f64, usize)>, RankError> {
-    let mut nearest: Option<(f64, usize)> = None;
+    winner: Winner,
+    at: impl Fn(f64) -> Result<Winner, RankError>,
+) -> Result<Option<(f64, Winner)>, RankError> {
+    let mut nearest: Option<(f64, Winner)> = None;
     for sign in [-1.0, 1.0] {
         let (mut inside, mut outside) = (0.0, STEP.0);
         // Ends: steps grow, and 70 of them pass any limit here.

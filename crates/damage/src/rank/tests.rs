@@ -7,6 +7,7 @@ use crate::harm::{CandidateHarm, DeltaV, PersonHarm};
 use crate::injury::{Quantity, Victim};
 use crate::policy::DEFAULT_POLICY;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// A candidate with these risks over open work, and ranges twice as wide about them.
 pub(in crate::rank) fn candidate(risks: &[Interval], energy_j: Interval) -> CandidateHarm {
@@ -74,11 +75,26 @@ pub(in crate::rank) fn weighted(bayes: f64, equality: f64, maximin: f64) -> Poli
     policy("weighted", &text.concat())
 }
 
+/// The first of `n` is in the ego vehicle, every third on foot.
+pub(in crate::rank) fn stakes(n: usize) -> Vec<Stake> {
+    let stake = |i: usize| Stake { is_ego: i == 0, is_vulnerable: i % 3 == 2, responsibility: 0.0 };
+    (0..n).map(stake).collect()
+}
+
+/// A policy for candidates whose names are their numbers, from 0.
+pub(in crate::rank) fn among(policy: &Policy, count: usize) -> Arc<Policy> {
+    let names: Vec<String> = (0..count).map(|k| k.to_string()).collect();
+    Arc::new(policy.clone()).among(names.iter().map(String::as_str))
+}
+
 pub(in crate::rank) fn ranked(policy: &Policy, candidates: &[CandidateHarm]) -> RankedCandidates {
-    let n = candidates[0].persons.len();
-    let mut stakes = vec![Stake::default(); n];
-    stakes[0].is_ego = true;
-    rank(policy, &stakes, candidates).expect("sound candidates")
+    let policy = among(policy, candidates.len());
+    rank(&policy, &stakes(candidates[0].persons.len()), candidates).expect("sound candidates")
+}
+
+/// The winner's number, if the policy lets one be chosen.
+fn winner(ranking: &RankedCandidates) -> Option<usize> {
+    (!ranking.is_refused()).then(|| ranking.places[0].candidate)
 }
 
 fn order(ranking: &RankedCandidates) -> Vec<usize> {
@@ -128,11 +144,50 @@ fn k_precaution_filters_and_says_when_it_cannot() {
     let none = accept(0.1);
     assert_eq!(order(&none), [3, 2, 1]);
     assert_eq!(none.notes, [Note::NobodyAcceptable { at_most: 0.1 }]);
+    assert!(!none.is_refused());
+}
+
+#[test]
+fn k_a_binding_precaution_refuses_or_falls_back_and_says_so() {
+    let accept = |otherwise: &str| {
+        let first = "[[level]]\nrule = \"precaution\"\naccept = 0.1\n";
+        let text = format!("{first}{otherwise}\n{}", level("bayes", 0.0));
+        ranked(&policy("lexicographic", &text), &k())
+    };
+    let refused = accept("otherwise = \"refuse\"");
+    assert_eq!((order(&refused), refused.state), (vec![3, 2, 1], AnswerState::Complete));
+    assert_eq!(refused.notes, [Note::Refused { at_most: 0.1, missing: None }]);
+    assert!(refused.is_refused() && refused.notes[0].sentence().starts_with("none is acceptable"));
+    let fell_back = accept("otherwise = \"fall-back\"\nfall_back = \"1\"");
+    assert_eq!((order(&fell_back), fell_back.is_refused()), (vec![2, 3, 1], false));
+    let why = fell_back.places[0].why.as_ref().expect("there is a next");
+    assert!(why.sentence("brake", "swerve").ends_with("and the policy falls back on it"));
+    assert!(fell_back.notes[0].sentence().ends_with("falls back on \"1\""));
+    let missing = accept("otherwise = \"fall-back\"\nfall_back = \"brake\"");
+    assert_eq!((order(&missing), missing.is_refused()), (vec![3, 2, 1], true));
+    assert!(missing.notes[0].sentence().contains("\"brake\" is not among them"));
+}
+
+/// One candidate may turn out to be acceptable or not: then it is not certain that it wins, though
+/// no other can.
+#[test]
+fn a_refusal_that_open_work_can_change_is_not_certain() {
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.4\notherwise = \"refuse\"\n";
+    let policy = policy("lexicographic", &(first.to_owned() + &level("bayes", 0.0)));
+    let with = |ends: (f64, f64)| {
+        let mut candidate = open(&[ends]);
+        candidate.persons[0].high_at_least = ends.0;
+        let ranking = ranked(&policy, &[candidate]);
+        (ranking.state, ranking.settled, ranking.is_refused())
+    };
+    assert_eq!(with((0.1, 0.3)), (AnswerState::Certified, 1, false));
+    assert_eq!(with((0.1, 0.5)), (AnswerState::Degraded, 0, true));
+    assert_eq!(with((0.5, 0.6)), (AnswerState::Certified, 1, true));
 }
 
 #[test]
 fn responsibility_comes_from_the_request() {
-    let stakes = [0.0, 0.0, 0.5].map(|responsibility| Stake { is_ego: false, responsibility });
+    let stakes = [0.0, 0.0, 0.5].map(|responsibility| Stake { responsibility, ..Stake::default() });
     let policy = policy("lexicographic", &level("responsibility", 0.0));
     let ranking = rank(&policy, &stakes, &k()).expect("sound");
     assert_eq!(order(&ranking), [1, 3, 2]);
@@ -174,8 +229,8 @@ fn two_levels_certify_what_one_cannot() {
         ([(0.10, 0.12), (0.11, 0.13), (0.20, 0.25)], 0.025),
         ([(0.30, 0.35), (0.40, 0.50), (0.0, 0.0)], 0.0),
     ];
-    let mut outlook =
-        Outlook { possible: [0, 1, 2].as_slice().into(), sure: [0, 1, 2].as_slice().into() };
+    let all = [0, 1, 2].as_slice();
+    let mut outlook = Outlook { possible: all.into(), sure: all.into(), may_refuse: false };
     for (ends, tolerance) in levels {
         least(&mut outlook, &ends.map(|e| Interval::new(e.0, e.1)), tolerance);
     }
@@ -275,7 +330,7 @@ fn what_cannot_be_ranked_is_refused() {
     let person = PersonId(1);
     assert_eq!(unknown, Err(RankError::UnknownPerson { candidate: 0, person }));
     for responsibility in [-0.1, 1.1, f64::NAN] {
-        let stakes = [Stake { is_ego: false, responsibility }];
+        let stakes = [Stake { responsibility, ..Stake::default() }];
         let error = RankError::Responsibility(PersonId(0));
         assert_eq!(rank(&policy, &stakes, &[settled(&[0.1])]), Err(error));
     }
@@ -284,16 +339,30 @@ fn what_cannot_be_ranked_is_refused() {
 }
 
 pub(in crate::rank) fn policies() -> impl Strategy<Value = Policy> {
-    let rules = ["bayes", "equality", "maximin", "responsibility", "ego-only"];
+    let rules =
+        ["bayes", "equality", "maximin", "responsibility", "ego-only", "vulnerable", "uninvolved"];
     let tolerance = prop_oneof![Just(0.0), Just(0.05)];
     let one = (0..rules.len(), tolerance).prop_map(move |(r, t)| level(rules[r], t));
     let accept = Just("[[level]]\nrule = \"precaution\"\naccept = 0.4\n".to_owned());
     let levels = prop::collection::vec(prop_oneof![4 => one, 1 => accept], 1..4);
+    let levels = (prop_oneof![2 => Just(String::new()), 1 => binding()], levels);
     prop_oneof![
-        levels.prop_map(|l| policy("lexicographic", &(l.concat() + &level("bayes", 0.0)))),
-        (0.5..0.9_f64).prop_map(|w| weighted(w, 0.4 * (1.0 - w), 1.0 - w - 0.4 * (1.0 - w))),
-        Just(policy("leximin", "")),
+        4 => levels.prop_map(|(first, l)| {
+            policy("lexicographic", &(first + &l.concat() + &level("bayes", 0.0)))
+        }),
+        1 => binding().prop_map(|first| policy("leximin", &first)),
+        2 => (0.5..0.9_f64).prop_map(|w| weighted(w, 0.4 * (1.0 - w), 1.0 - w - 0.4 * (1.0 - w))),
+        1 => Just(policy("leximin", "")),
     ]
+}
+
+/// A first level that binds: it refuses, or falls back on a candidate that may be there.
+fn binding() -> impl Strategy<Value = String> {
+    let otherwise = prop_oneof![
+        Just("otherwise = \"refuse\"\n".to_owned()),
+        (0..6_usize).prop_map(|k| format!("otherwise = \"fall-back\"\nfall_back = \"{k}\"\n")),
+    ];
+    otherwise.prop_map(|text| format!("[[level]]\nrule = \"precaution\"\naccept = 0.4\n{text}"))
 }
 
 /// Risks on a coarse grid, so that ties are common; an open end; and where the truth lies.
@@ -320,11 +389,12 @@ proptest! {
             CandidateHarm { energy_j: Interval::ZERO, ..settled(&ends) }
         }).collect();
         let (before, after) = (ranked(&policy, &now), ranked(&policy, &later));
-        let winner = after.places[0].candidate;
+        let first = after.places[0].candidate;
         prop_assert_eq!(after.state, AnswerState::Complete);
-        prop_assert!(before.possible.contains(&winner), "{before:?} {after:?}");
+        prop_assert!(before.possible.contains(&first), "{before:?} {after:?}");
         if before.state == AnswerState::Certified {
-            prop_assert_eq!(before.places[0].candidate, winner);
+            prop_assert_eq!(before.places[0].candidate, first);
+            prop_assert_eq!(winner(&before), winner(&after));
         }
         // The order's own winner is one of the possible ones.
         prop_assert!(before.possible.contains(&before.places[0].candidate));
@@ -347,6 +417,73 @@ proptest! {
                 prop_assert!(worst(&pair[0]) <= worst(&pair[1]) + 1e-9);
             }
         }
+    }
+
+    /// An accepted risk that binds is kept by the winner, or nobody wins, or who is named does.
+    #[test]
+    fn what_binds_never_yields_an_unacceptable_winner(first in binding(), risks in risks()) {
+        let candidates: Vec<_> = risks.iter()
+            .map(|person| settled(&person.iter().map(|r| r.1).collect::<Vec<_>>())).collect();
+        let rest = level("maximin", 0.05) + &level("bayes", 0.0);
+        let ranking = ranked(&policy("lexicographic", &(first.clone() + &rest)), &candidates);
+        let keeps = |k: &usize| risks[*k].iter().all(|r| r.1 <= 0.4 + 1e-9);
+        let all = 0..candidates.len();
+        let acceptable: Vec<usize> = all.clone().filter(keeps).collect();
+        let named = all.clone().find(|k| first.contains(&format!("\"{k}\"")));
+        match (acceptable.as_slice(), named) {
+            ([], Some(named)) => {
+                prop_assert_eq!(winner(&ranking), Some(named));
+                let fell_back = |note: &Note| matches!(note, Note::FellBack { .. });
+                prop_assert!(ranking.notes.iter().any(fell_back));
+                let grounds = ranking.places[0].why.as_ref();
+                let is_it = |why: &Ground| matches!(why, Ground::FallBack { .. });
+                prop_assert!(grounds.is_none_or(is_it));
+            }
+            ([], None) => {
+                prop_assert_eq!(winner(&ranking), None);
+                // They are in order all the same, as by the next rules.
+                let next = ranked(&policy("lexicographic", &rest), &candidates);
+                prop_assert_eq!(order(&ranking), order(&next));
+            }
+            (_, _) => {
+                prop_assert!(winner(&ranking).is_some_and(|k| acceptable.contains(&k)));
+                prop_assert!(ranking.notes.is_empty());
+                let places = ranking.places.iter().map(|place| place.candidate);
+                let first: Vec<usize> = places.take(acceptable.len()).collect();
+                prop_assert!(first.iter().all(|k| acceptable.contains(k)), "{first:?}");
+            }
+        }
+    }
+
+    /// Where every candidate is in the policy's list, their order in the request decides nothing;
+    /// and of those whom the rule holds equal, the first in the list wins.
+    #[test]
+    fn the_order_of_a_request_does_not_matter_to_a_preference(
+        risks in risks(), turn in 0..6_usize,
+        listed in Just((0..6_usize).collect::<Vec<_>>()).prop_shuffle(),
+    ) {
+        let names: Vec<String> = listed.iter().map(|k| format!("\"{k}\"")).collect();
+        let ties = format!("preferred = [{}]\ntie_break = [\"brake-in-lane\", ", names.join(", "));
+        let text = DEFAULT_POLICY.replace("tie_break = [", &ties)
+            .replace("property = \"last\"", "property = \"ignored\"");
+        let head = text.split("[[level]]").next().unwrap_or_default();
+        let policy = Policy::parse("", &(head.to_owned() + &level("bayes", 0.0))).expect("sound");
+        let means: Vec<f64> = risks.iter().map(|person| {
+            person.iter().map(|r| r.1).sum::<f64>() / person.len() as f64
+        }).collect();
+        let candidates: Vec<_> = risks.iter()
+            .map(|person| settled(&person.iter().map(|r| r.1).collect::<Vec<_>>())).collect();
+        let least = means.iter().copied().fold(f64::INFINITY, f64::min);
+        let expected = listed.iter().copied()
+            .find(|k| means.get(*k).is_some_and(|mean| (mean - least).abs() < 1e-9));
+        let count = candidates.len();
+        let turned: Vec<usize> = (0..count).map(|k| (k + turn) % count).collect();
+        let names: Vec<String> = turned.iter().map(ToString::to_string).collect();
+        let bound = Arc::new(policy.clone()).among(names.iter().map(String::as_str));
+        let moved: Vec<_> = turned.iter().map(|k| candidates[*k].clone()).collect();
+        let ranking = rank(&bound, &stakes(risks[0].len()), &moved).expect("sound");
+        prop_assert_eq!(Some(turned[ranking.places[0].candidate]), expected);
+        prop_assert_eq!(winner(&ranked(&policy, &candidates)), expected);
     }
 
     /// A policy changes the order, never a figure; and no candidate's figures depend on the others.

@@ -22,10 +22,13 @@ const BODIES: [&str; 7] = [
 ];
 
 /// The built-in policies.
-pub(super) const POLICIES: [(&str, &str); 6] = [
+pub(super) const POLICIES: [(&str, &str); 9] = [
+    ("acceptable-or-brake", include_str!("../../config/policies/acceptable-or-brake.toml")),
     ("default", include_str!("../../config/policies/default.toml")),
     ("ego-only", include_str!("../../config/policies/ego-only.toml")),
     ("precaution", include_str!("../../config/policies/precaution.toml")),
+    ("uninvolved-first", include_str!("../../config/policies/uninvolved-first.toml")),
+    ("vulnerable-first", include_str!("../../config/policies/vulnerable-first.toml")),
     ("weighted", include_str!("../../config/policies/weighted.toml")),
     ("worst-case-averse", include_str!("../../config/policies/worst-case-averse.toml")),
     ("worst-off-first", include_str!("../../config/policies/worst-off-first.toml")),

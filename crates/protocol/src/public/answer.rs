@@ -92,11 +92,14 @@ pub enum Reason {
     Corrupt = 14,
     /// The service has other bodies than the request names.
     OtherModels = 15,
+    /// Every candidate was assessed, as far as there was time, and none is acceptable under the
+    /// policy, which then lets none be chosen.
+    NoneAcceptable = 16,
 }
 
 impl Reason {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::None,
         Self::Malformed,
         Self::UnknownModel,
@@ -113,6 +116,7 @@ impl Reason {
         Self::NoService,
         Self::Corrupt,
         Self::OtherModels,
+        Self::NoneAcceptable,
     ];
 
     /// The reason with this number.
@@ -141,6 +145,7 @@ impl Reason {
             Self::NoService => "no-service",
             Self::Corrupt => "corrupt",
             Self::OtherModels => "other-models",
+            Self::NoneAcceptable => "none-acceptable",
         }
     }
 }

@@ -9,8 +9,8 @@ use crate::policy::{DEFAULT_POLICY, Policy};
 use crate::rank::rank;
 use crate::rule::{Measure, Rule, Stake, Term};
 
-const STAKES: [Stake; 2] =
-    [Stake { is_ego: true, responsibility: 0.0 }, Stake { is_ego: false, responsibility: 0.0 }];
+const OTHER: Stake = Stake { is_ego: false, is_vulnerable: false, responsibility: 0.0 };
+const STAKES: [Stake; 2] = [Stake { is_ego: true, ..OTHER }, OTHER];
 
 fn by(rule: &str) -> Policy {
     let head = DEFAULT_POLICY.split("[[level]]").next().unwrap_or_default();

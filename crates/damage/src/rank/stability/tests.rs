@@ -3,12 +3,14 @@
 use super::*;
 use crate::curve::Dose;
 use crate::injury::Curves;
-use crate::rank::tests::{k, level, policies, policy, ranked, risks, settled, weighted};
+use crate::rank::tests::{
+    among, k, level, policies, policy, ranked, risks, settled, stakes, weighted,
+};
 use proptest::prelude::*;
 
 fn of(policy: &Policy, candidates: &[CandidateHarm]) -> Stability {
-    let mut stakes = vec![Stake::default(); candidates[0].persons.len()];
-    stakes[0].is_ego = true;
+    let stakes = stakes(candidates[0].persons.len());
+    let policy = &*among(policy, candidates.len());
     let in_use = |curve: &&Curve| {
         let mut persons = candidates.iter().flat_map(|harm| &harm.persons);
         persons.any(|person| *person.curve == *curve.id)
@@ -26,7 +28,7 @@ fn reserve(stability: &Stability, knob: &Knob) -> Reserve {
 #[test]
 fn k_only_the_weight_of_bayes_flips_a_weighted_winner() {
     let stability = of(&weighted(0.5, 0.2, 0.3), &k());
-    assert_eq!(stability.winner, 1);
+    assert_eq!(stability.winner, Some(1));
     let bayes = reserve(&stability, &Knob::Weight { rule: Rule::Bayes });
     assert!((bayes.flips_at.expect("it flips") - 0.928_57).abs() < 1e-5, "{bayes:?}");
     assert_eq!(bayes.winner, Some(2));
@@ -45,11 +47,22 @@ fn k_an_accepted_risk_flips_where_the_next_becomes_acceptable() {
     assert_eq!((accept.flips_at, accept.winner), (Some(0.35), Some(2)));
 }
 
+/// Between refusing and letting somebody win lies a flip as well.
+#[test]
+fn k_a_refusal_flips_where_somebody_becomes_acceptable() {
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.1\notherwise = \"refuse\"\n";
+    let policy = policy("lexicographic", &(first.to_owned() + &level("bayes", 0.0)));
+    let stability = of(&policy, &k());
+    assert_eq!(stability.winner, None);
+    let accept = reserve(&stability, &Knob::Accept { level: 0 });
+    assert_eq!((accept.flips_at, accept.winner), (Some(0.2), Some(1)));
+}
+
 #[test]
 fn a_tolerance_flips_where_the_next_comes_within_reach() {
     let two = level("bayes", 0.0) + &level("maximin", 0.0);
     let stability = of(&policy("lexicographic", &two), &k());
-    assert_eq!(stability.winner, 2);
+    assert_eq!(stability.winner, Some(2));
     let bayes = reserve(&stability, &Knob::Tolerance { level: Some(0) });
     assert!((bayes.flips_at.expect("it flips") - 0.01).abs() < 1e-8, "{bayes:?}");
     assert_eq!(bayes.winner, Some(1));
@@ -69,7 +82,7 @@ fn a_curve_flips_where_its_own_risks_overtake() {
     let candidates = [with("lubbe-pedestrian", 12.0), with("wang-frontal", 15.0)];
     let policy = policy("lexicographic", &level("bayes", 0.0));
     let stability = of(&policy, &candidates);
-    assert_eq!(stability.winner, 1);
+    assert_eq!(stability.winner, Some(1));
     for id in ["lubbe-pedestrian", "wang-frontal"] {
         let reserve = reserve(&stability, &Knob::Intercept { curve: id.to_owned() });
         let a = reserve.flips_at.expect("it flips");
@@ -90,7 +103,11 @@ proptest! {
         let candidates: Vec<_> = risks.iter()
             .map(|person| settled(&person.iter().map(|r| r.0).collect::<Vec<_>>())).collect();
         let stability = of(&policy, &candidates);
-        prop_assert_eq!(stability.winner, ranked(&policy, &candidates).places[0].candidate);
+        let winner = |policy: &Policy| {
+            let ranking = ranked(policy, &candidates);
+            (!ranking.is_refused()).then(|| ranking.places[0].candidate)
+        };
+        prop_assert_eq!(stability.winner, winner(&policy));
         for reserve in &stability.reserves {
             let Some(at) = reserve.flips_at else { continue };
             let with = |x: f64| match (&reserve.knob, &policy.composition) {
@@ -112,8 +129,7 @@ proptest! {
             };
             let inside = with(reserve.value + 0.999 * (at - reserve.value));
             if let Some(inside) = inside.filter(|_| (at - reserve.value).abs() > 1e-6) {
-                let winner = ranked(&inside, &candidates).places[0].candidate;
-                prop_assert_eq!(winner, stability.winner, "{:?}", reserve);
+                prop_assert_eq!(winner(&inside), stability.winner, "{:?}", reserve);
             }
         }
     }
