@@ -15,3 +15,4 @@ mod refine;
 mod replay;
 mod sign;
 mod transfer;
+mod validate;

@@ -24,7 +24,7 @@ fn contacts(output: &std::process::Output) -> Vec<Value> {
 }
 
 fn depth(row: &Value) -> f64 {
-    row["contact"]["patch"]["depth_m"][1].as_f64().unwrap_or(0.0)
+    row["contact"]["depth_m"][1].as_f64().unwrap_or(0.0)
 }
 
 /// Contacts between the nominal bodies, or other generated ones, with this many triangles.
@@ -65,7 +65,7 @@ fn a_normal_turns_by_one_direction_at_most_and_the_range_holds_both() {
     let (coarse, fine) = (meshed(7_000, false), meshed(25_000, false));
     for (a, b) in coarse.iter().zip(&fine) {
         assert_eq!((&a["name"], &a["party"]), (&b["name"], &b["party"]));
-        let normal = |row: &Value| row["contact"]["patch"]["normal_degrees"].as_f64().unwrap();
+        let normal = |row: &Value| row["contact"]["normal_degrees"].as_f64().unwrap();
         let (m, n) = (normal(a), normal(b));
         assert!((m - n).abs() <= 5.0, "{}: {m} and {n}", a["name"]);
         let persons = |row: &Value| row["persons"].as_array().unwrap().clone();
@@ -120,7 +120,7 @@ name = "meshes"
 file = "ego.trolley"
 [parties.oncoming]
 file = "other.trolley"
-state = { position_m = [40, 0.6, 0], yaw_deg = 175, speed_m_s = 8 }
+state = { position_m = [40, 0.2, 0], yaw_deg = 175, speed_m_s = 8 }
 [parties.crossing]
 file = "other.trolley"
 state = { position_m = [26, -14, 0], yaw_deg = 90, speed_m_s = 5 }
@@ -201,9 +201,9 @@ fn split_faces_leave_all_lengths_within_10_micrometres() {
     let (plain, fine) = (remeshed(Mesh::clone), remeshed(split));
     for (a, b) in plain.iter().zip(&fine) {
         let mut pairs = Vec::new();
-        let patch = |row: &Value| row["contact"]["patch"].clone();
+        let patch = |row: &Value| row["contact"].clone();
         numbers(&patch(a), &patch(b), "patch", &mut pairs);
-        assert!(pairs.len() > 20, "{pairs:?}");
+        assert!(pairs.len() > 15, "{pairs:?}");
         for (what, p, q) in &pairs {
             // First contact is found to 1 mm; the same halvings must come out here.
             assert!((p - q).abs() <= 1e-5, "{} {what}: {p} and {q}", a["name"]);

@@ -36,7 +36,7 @@ const EDGES_M: [f64; 22] = [
 ];
 
 /// Cross-sections per band.
-const SECTIONS: usize = 4;
+const SECTIONS: usize = 8;
 
 /// A closed line in plan, counter-clockwise, metres, body frame; its last point joins its first.
 pub type Ring = Vec<[f64; 2]>;

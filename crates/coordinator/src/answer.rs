@@ -45,10 +45,12 @@ pub struct PoseRow {
     pub hash_a: String,
     /// Hash of the other's hit triangles.
     pub hash_b: String,
-    /// Number of intersecting pairs.
-    pub pairs: u64,
+    /// Number of intersecting pairs, at the depths that form the patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pairs: Option<u64>,
     /// Hash of the pairs.
-    pub hash: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
 }
 
 /// The sentence about a party of unknown kind.
@@ -119,8 +121,8 @@ pub(crate) fn poses(state: &CandidateState) -> Vec<PoseRow> {
             hits_b: found.sets.hits_b,
             hash_a: hex(found.sets.hash_a),
             hash_b: hex(found.sets.hash_b),
-            pairs: found.pairs,
-            hash: hex(found.hash),
+            pairs: stop.patch.then_some(found.pairs),
+            hash: stop.patch.then(|| hex(found.hash)),
         })
     };
     state.stops.iter().filter_map(row).collect()

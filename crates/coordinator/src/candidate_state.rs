@@ -59,7 +59,7 @@ impl CandidateState {
         hit: Union,
         mut stops: Vec<(Stop, Option<Surveyed>)>,
     ) -> Self {
-        let first = candidate.plane.is_some().then_some(candidate.first);
+        let first = (!candidate.is_stuck).then_some(candidate.first);
         if first.is_some() {
             stops.extend(survey(&candidate.approach).into_iter().map(|stop| (stop, None)));
         }
@@ -70,7 +70,8 @@ impl CandidateState {
     pub(crate) fn begin(&mut self, task: u32, asked: &mut Vec<(usize, f64, WireQuestion)>) {
         self.first_task = task;
         for (number, (stop, _)) in self.stops.iter().enumerate() {
-            asked.push((number, stop.travel_m, WireQuestion::Pairs));
+            let question = if stop.patch { WireQuestion::Pairs } else { WireQuestion::Sets };
+            asked.push((number, stop.travel_m, question));
         }
     }
 
@@ -117,6 +118,5 @@ impl CandidateState {
 /// Hits or reach at a stop, as far as they count there.
 pub(crate) fn seen(stop: &Stop, supports: &Supports, zones: [u16; 2]) -> Seen {
     let [zones_a, zones_b] = zones.map(Zones);
-    let end = if stop.is_last { *supports } else { Supports::EMPTY };
-    Seen { patch: *supports, end, zones_a, zones_b }
+    Seen { patch: if stop.patch { *supports } else { Supports::EMPTY }, zones_a, zones_b }
 }

@@ -41,7 +41,8 @@ pub struct ContactChain {
     pub gyration_m: [f64; 2],
     /// From the centre of mass to the point of contact, along the normal and to its left (m).
     pub arms_m: [[f64; 2]; 2],
-    /// Restitution e, and friction μ or, along a long flat face, the greatest ratio of the impulses.
+    /// Restitution e, and friction μ or, along a long flat face, the greatest ratio of the
+    /// impulses.
     pub surface: [f64; 2],
     /// Yaw rates before and after (rad/s).
     pub yaw_rad_s: [[f64; 2]; 2],
@@ -53,7 +54,7 @@ pub struct ContactChain {
     pub probability: f64,
     /// Everyone in it.
     pub persons: Vec<PersonChain>,
-    /// Travel and intersecting pairs of triangles at each depth.
+    /// Travel and intersecting pairs of triangles at each depth that forms the patch.
     pub poses: Vec<(f64, u64)>,
     /// Lengths of the patch across the normal, along it and upwards, and the depth (m).
     pub patch_m: [f64; 4],
@@ -120,10 +121,10 @@ pub struct PolicyStep {
     pub value: Interval,
 }
 
-/// Pairs at each depth.
+/// Pairs at the depths of the patch.
 fn poses(state: &CandidateState) -> Vec<(f64, u64)> {
-    let stops = state.stops.iter();
-    stops.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
+    let of_patch = state.stops.iter().filter(|(stop, _)| stop.patch);
+    of_patch.filter_map(|(stop, found)| Some((stop.travel_m, found.as_ref()?.pairs))).collect()
 }
 
 /// The steps of a policy with their values for a candidate.
@@ -161,7 +162,9 @@ pub(crate) fn contact_chain(
         persons: harm.persons.iter().map(|p| person(request, harm, p)).collect(),
         poses: poses(state),
         patch_m: patch.map_or([0.0; 4], |patch| {
-            [patch.width_m, patch.span_m, patch.height_m, patch.depth_m].map(Interval::hi)
+            let [width, span, height] =
+                [patch.width_m, patch.span_m, patch.height_m].map(Interval::hi);
+            [width, span, height, patch.depth_m]
         }),
     }
 }

@@ -1,13 +1,14 @@
 //! What is asked of workers at once: contacts in the ego's frame, and the persons at stake.
 
 use crate::candidate_state::FirstContact;
-use body::{BodyKind, Meta, Seat};
+use body::{BodyKind, Meta, Outlines, Seat};
 use damage::approach::STANDSTILL_M_S;
 use damage::dynamics::delta_v_at_most;
 use damage::party::is_fixed;
 use damage::rule::Stake;
 use damage::{
-    Aboard, Approach, CollisionParty, Criteria, Encounter, Parameters, Plane, Stiffness, heading,
+    Aboard, Approach, CollisionParty, Criteria, Encounter, Footprint, Front, Parameters, Plane,
+    Stiffness, heading,
 };
 use diagnostic::Diagnostic;
 use geometry::support::DIRECTIONS;
@@ -26,7 +27,9 @@ pub(crate) struct Candidate {
     /// B seen from A at the given pose.
     pub(crate) pose: RelativePose,
     pub(crate) approach: Approach,
-    /// The plane of the contact; `None`: the bodies overlap from the start and stand.
+    /// The bodies overlap from the start and stand: nothing can be evaluated.
+    pub(crate) is_stuck: bool,
+    /// The plane of the contact; `None` if it is stuck, or not laid yet.
     pub(crate) plane: Option<Plane>,
     pub(crate) a: CollisionParty,
     pub(crate) b: CollisionParty,
@@ -41,9 +44,28 @@ impl Candidate {
     /// Whether any impact at this speed could be heavy for the ego.
     pub(crate) fn may_be_heavy(&self, parameters: &Parameters) -> bool {
         let masses = [self.a.mass_kg, self.b.mass_kg];
-        let speed_m_s =
-            self.plane.map_or(f64::INFINITY, |plane| plane.velocity_m_s(&self.approach).length());
+        // No point of a body moves faster than this against its centre.
+        let of_turning = |p: usize, supports: &Supports, party: &CollisionParty| {
+            let d = &self.approach.directions.d;
+            let far = (0..DIRECTIONS).map(|i| supports.0[i] - party.centre_m.dot(d[i]));
+            2.0 * far.fold(0.0, f64::max) * self.approach.yaw_rad_s[p].abs()
+        };
+        let speed_m_s = self.approach.closing_m_s
+            + of_turning(0, &self.approach.supports_a, &self.a)
+            + of_turning(1, &self.approach.supports_b, &self.b);
         delta_v_at_most(speed_m_s, masses, parameters) >= damage::course::HEAVY_M_S
+    }
+
+    /// Lays the plane of the contact, from the outlines of both bodies, at the point where they
+    /// touch first.
+    pub(crate) fn lay_plane(&mut self, [a, b]: [&Outlines; 2], point: DVec3) {
+        if self.is_stuck {
+            return;
+        }
+        let of_a = Footprint::of(a, None, &self.approach);
+        let of_b = Footprint::of(b, Some(&self.pose), &self.approach);
+        let fronts = [Front::of(&self.a), Front::of(&self.b)];
+        self.plane = Some(Plane::of(&self.approach, [&of_a, &of_b], fronts, point));
     }
 
     /// As [`damage::assess`] takes it.

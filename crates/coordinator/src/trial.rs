@@ -61,12 +61,7 @@ impl Figures {
     /// The figures of the patch, which come and go with it.
     fn of_patch(harm: &CandidateHarm) -> Self {
         let Some(patch) = &harm.contact else { return Self(Vec::new()) };
-        let named = [
-            ("width", patch.width_m),
-            ("height", patch.height_m),
-            ("span", patch.span_m),
-            ("depth", patch.depth_m),
-        ];
+        let named = [("width", patch.width_m), ("height", patch.height_m), ("span", patch.span_m)];
         Self(named.map(|(name, interval)| (name.to_owned(), interval)).to_vec())
     }
 }
@@ -260,12 +255,7 @@ fn flawed(
             |k| work.evidence(k),
             |harm| {
                 let Some(patch) = &mut harm.contact else { return };
-                let open = [
-                    &mut patch.width_m,
-                    &mut patch.height_m,
-                    &mut patch.span_m,
-                    &mut patch.depth_m,
-                ];
+                let open = [&mut patch.width_m, &mut patch.height_m, &mut patch.span_m];
                 for length in open {
                     *length = Interval::exactly(f64::midpoint(length.lo(), length.hi()));
                 }

@@ -1,7 +1,7 @@
 //! What a contact is like: its plane, and the patch that the bodies' triangles make of it.
 //!
-//! The plane comes from outlines ([`crate::plane`]), so it is known before any job. The patch, its
-//! zones and its depth come from hit sets; they are computed from supports, so they do not depend
+//! The plane comes from outlines ([`crate::plane`]), so it is known before any job. The patch and its
+//! zones come from hit sets; they are computed from supports, so they do not depend
 //! on the mesh. They are shown, and lift ranges; no nominal figure depends on them.
 //!
 //! It does not know masses or persons.
@@ -34,8 +34,8 @@ pub struct ContactPatch {
     pub height_m: Interval,
     /// Length along the normal.
     pub span_m: Interval,
-    /// Length of the hits along the normal, at the last depth.
-    pub depth_m: Interval,
+    /// How far the bodies press into each other along the normal, at the greatest depth.
+    pub depth_m: f64,
     /// Bits of the zones hit: of A, of B.
     pub zones: [u16; 2],
     /// Bits of the zones that may be hit.
@@ -60,9 +60,9 @@ pub(crate) fn describe(
     let degrees = libm::atan2(left, along).to_degrees();
     // The nearest direction that supports are kept for.
     let n = ((degrees / 5.0).round() as isize).rem_euclid(HORIZONTAL as isize) as usize;
-    let last_m = survey(approach).last().map_or(0.0, |stop| stop.travel_m);
+    let of_patch = survey(approach).into_iter().filter(|stop| stop.patch);
+    let last_m = of_patch.last().map_or(0.0, |stop| stop.travel_m);
     let reach = approach.reach(0.0, last_m);
-    let end_reach = approach.reach(last_m, last_m);
     let middle = evidence.middle(UP, UP + 1, &reach);
     let level = plane.point_m - d[UP] * plane.point_m.dot(d[UP]);
     ContactPatch {
@@ -75,7 +75,7 @@ pub(crate) fn describe(
         width_m: evidence.span(across(n), opposite(across(n)), &reach),
         height_m: evidence.span(UP, UP + 1, &reach),
         span_m: evidence.span(n, opposite(n), &reach),
-        depth_m: evidence.end_span(n, opposite(n), &end_reach),
+        depth_m: plane.depth_m * along.max(0.0),
         zones: evidence.zones().map(|zones| zones.0),
         zones_at_most: evidence.zones_at_most().map(|zones| zones.0),
     }

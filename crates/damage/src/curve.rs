@@ -5,8 +5,8 @@
 //! exp(−(a+b x))), which is the same and is exactly 0 at 0.
 //!
 //! Of the persons whom a front strikes, more are injured by a tall one: a curve may have a term
-//! f(x, h) for that, which rises with speed and with the height h of the front's edge. Then z = a + b
-//! x + f(x, h) takes the place of a + b x.
+//! f(x, h) for that, which rises with speed and with the height h of the front's edge. Then z = a +
+//! b x + f(x, h) takes the place of a + b x.
 //!
 //! Speeds come in m/s and are turned into the curve's own unit: forgetting that is the commonest
 //! fault in public code. A curve knows its source, but not whose risk it describes (see

@@ -19,10 +19,8 @@ use geometry::support::DIRECTIONS;
 /// What hits, or open work, cover: supports of the patch and of the last pose, and zones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// The patch: all depths.
+    /// The patch.
     pub patch: Supports,
-    /// The last depth alone.
-    pub end: Supports,
     /// Zones of A hit.
     pub zones_a: Zones,
     /// Zones of B hit.
@@ -39,12 +37,10 @@ pub struct Evidence {
 
 impl Seen {
     /// Nothing.
-    pub const NOTHING: Self =
-        Self { patch: Supports::EMPTY, end: Supports::EMPTY, zones_a: Zones(0), zones_b: Zones(0) };
+    pub const NOTHING: Self = Self { patch: Supports::EMPTY, zones_a: Zones(0), zones_b: Zones(0) };
 
     fn merge(&mut self, other: &Self) {
         self.patch.merge(&other.patch);
-        self.end.merge(&other.end);
         self.zones_a.0 |= other.zones_a.0;
         self.zones_b.0 |= other.zones_b.0;
     }
@@ -58,7 +54,7 @@ impl Seen {
             }
             s
         };
-        Self { patch: moved(&self.patch), end: moved(&self.end), ..*self }
+        Self { patch: moved(&self.patch), ..*self }
     }
 }
 
@@ -87,7 +83,7 @@ impl Evidence {
     pub fn add_open_everywhere(&mut self) {
         let zones = Zones(u16::MAX);
         let anywhere = Supports([f64::INFINITY; DIRECTIONS]);
-        let all = Seen { patch: anywhere, end: anywhere, zones_a: zones, zones_b: zones };
+        let all = Seen { patch: anywhere, zones_a: zones, zones_b: zones };
         self.outer.merge(&all);
         self.is_open = true;
     }
@@ -134,14 +130,6 @@ impl Evidence {
     /// The length of the patch between two opposed directions (m).
     pub(crate) fn span(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
         self.length(|seen| &seen.patch, plus, minus, reach)
-    }
-
-    /// The length of the hits at the last pose between two opposed directions (m).
-    pub(crate) fn end_span(&self, plus: usize, minus: usize, reach: &Supports) -> Interval {
-        if !self.is_open && !has_points(&self.inner.end) {
-            return Interval::ZERO;
-        }
-        self.length(|seen| &seen.end, plus, minus, reach)
     }
 
     fn length(

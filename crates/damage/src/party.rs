@@ -152,8 +152,8 @@ impl CollisionParty {
         libm::atan2(left.dot(direction), self.forward.dot(direction)).to_degrees()
     }
 
-    /// What kind of victim a person of this party is in a seat, struck from `side`; `None` for fixed
-    /// objects. In the middle both sides are near.
+    /// What kind of victim a person of this party is in a seat, struck from `side`; `None` for
+    /// fixed objects. In the middle both sides are near.
     #[must_use]
     pub fn victim(&self, side: Struck, seat: Option<Seat>) -> Option<Victim> {
         let is_far = match side {
@@ -189,8 +189,8 @@ pub fn is_vulnerable(kind: BodyKind) -> bool {
 }
 
 /// How much of a closing speed a person outside feels who is struck by a mass, against a car: the
-/// share that the striker's mass has in both, over the share that a car's would have, at most 1. The
-/// person's own mass is that of the kind, never a stated one.
+/// share that the striker's mass has in both, over the share that a car's would have, at most 1.
+/// The person's own mass is that of the kind, never a stated one.
 #[must_use]
 pub fn throw_share(kind: BodyKind, striker_kg: Option<f64>) -> f64 {
     /// The lightest car in the samples of the curves, kg; our assumption.

@@ -8,6 +8,10 @@ use crate::approach::Approach;
 use crate::plane::{DEPTH_MAX_M, DEPTHS};
 use smallvec::SmallVec;
 
+/// How many of the first depths form the patch: where all triangles press into each other, they say
+/// nothing of the place of a contact.
+const PATCH: usize = 2;
+
 /// The depths of a survey.
 pub type Stops = SmallVec<[Stop; DEPTHS]>;
 
@@ -16,17 +20,15 @@ pub type Stops = SmallVec<[Stop; DEPTHS]>;
 pub struct Stop {
     /// Travel beyond first contact (m).
     pub travel_m: f64,
-    /// The last one: its hits measure the depth.
-    pub is_last: bool,
+    /// Its hits, with where they are, form the patch; of the others only zones and parts count.
+    pub patch: bool,
 }
 
 /// The depths of an approach.
 #[must_use]
 pub fn survey(approach: &Approach) -> Stops {
     let depth_m = approach.extent_up_to(DEPTH_MAX_M);
-    let stop = |k: usize| Stop {
-        travel_m: depth_m * (k as f64 + 0.5) / DEPTHS as f64,
-        is_last: k + 1 == DEPTHS,
-    };
+    let stop =
+        |k: usize| Stop { travel_m: depth_m * (k as f64 + 0.5) / DEPTHS as f64, patch: k < PATCH };
     (0..DEPTHS).map(stop).collect()
 }

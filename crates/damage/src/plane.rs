@@ -4,7 +4,7 @@
 //! The chord through the crossings of two outlines in plan is the plane that reconstruction of
 //! crashes uses (H. Kudlich, K. Slibar). It is the gradient of the area of their overlap, too, and
 //! so the sum of the outline of one body inside the other (divergence theorem). Only the depth at
-//! which it is taken is free, so it is summed over depths: at D(k+½)/12, k = 0…11, beyond first
+//! which it is taken is free, so it is summed over depths: at D(k+½)/24, k = 0…23, beyond first
 //! contact along the direction of motion u, D being at most [`DEPTH_MAX_M`] and no more than
 //! either body measures along u, never a function of speed. Bands of height that meet count by the
 //! height that they share.
@@ -20,7 +20,7 @@ use crate::dynamics::of_turning;
 use crate::party::CollisionParty;
 use body::Outlines;
 use geometry::{DVec3, RelativePose};
-use overlap::Overlap;
+use overlap::{Facing, Overlap};
 use serde::Serialize;
 use smallvec::SmallVec;
 
@@ -32,7 +32,7 @@ mod tests;
 pub const DEPTHS: usize = 6;
 
 /// Number of depths at which chords are taken: steps between them show in what grazes a pole.
-const CHORDS: usize = 12;
+const CHORDS: usize = 24;
 
 /// The greatest depth (m).
 pub const DEPTH_MAX_M: f64 = 0.9;
@@ -47,8 +47,12 @@ const BELONGS_M: f64 = 0.02;
 /// A face is the plane's, if it is turned from it by at most this cosine (8°).
 const PARALLEL: f64 = 0.990_268;
 
-/// A long face is at least this share of the length of who hits it: the front of another car is not.
+/// A long face is at least this share of the length of who hits it: the front of another car is
+/// not.
 const LONG_SHARE: f64 = 0.6;
+
+/// ... and at least so long (m): a door or a bumper turns nobody, however short who hits it is.
+const LONG_M: f64 = 2.5;
 
 /// The face of a barrier reaches this share of the length of who hits it beyond the contact.
 const REACH_SHARE: f64 = 1.0 / 3.0;
@@ -142,7 +146,7 @@ impl Front {
 
 /// The outline of a body between two heights, where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slab {
+pub struct PlacedBand {
     /// Heights along the vertical of A's frame (m).
     pub height_m: [f64; 2],
     /// Rings in plan, along u and to its left (m), counter-clockwise.
@@ -153,7 +157,7 @@ pub struct Slab {
 
 /// The outlines of a body where it stands, in plan along u.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Footprint(Vec<Slab>);
+pub struct Footprint(Vec<PlacedBand>);
 
 /// Axes of the plan: along u, to its left, and upwards.
 #[derive(Clone, Copy, Debug)]
@@ -190,7 +194,7 @@ fn bounds(rings: &[Vec<[f64; 2]>]) -> [[f64; 2]; 2] {
     bounds
 }
 
-impl Slab {
+impl PlacedBand {
     fn new(height_m: [f64; 2], rings: Vec<Vec<[f64; 2]>>) -> Self {
         let bounds = bounds(&rings);
         Self { height_m, rings, bounds }
@@ -230,7 +234,7 @@ impl Footprint {
                 let height = |z: f64| axes.height(placed(0.0, 0.0, z));
                 let rings =
                     band.rings.iter().map(|ring| ring.iter().map(point).collect()).collect();
-                return Slab::new([height(low), height(high)], rings);
+                return PlacedBand::new([height(low), height(high)], rings);
             }
             let ends = || [low, high].into_iter();
             let corners: Vec<DVec3> = (band.rings.iter().flatten())
@@ -240,20 +244,20 @@ impl Footprint {
             let height_m = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| {
                 [low.min(z), high.max(z)]
             });
-            Slab::new(height_m, vec![hull(corners.iter().map(|p| axes.plan(*p)).collect())])
+            PlacedBand::new(height_m, vec![hull(corners.iter().map(|p| axes.plan(*p)).collect())])
         };
         Self(outlines.bands.iter().map(slab).collect())
     }
 
     /// Its slabs, by ascending height where it stands upright.
     #[must_use]
-    pub fn slabs(&self) -> &[Slab] {
+    pub fn slabs(&self) -> &[PlacedBand] {
         &self.0
     }
 
     /// Whether a point (plan and height) belongs to an outline or its near surroundings.
     fn holds(&self, p: [f64; 2], height: f64) -> bool {
-        let is_at = |slab: &&Slab| {
+        let is_at = |slab: &&PlacedBand| {
             slab.height_m[0] - BELONGS_M <= height && height <= slab.height_m[1] + BELONGS_M
         };
         self.0.iter().filter(is_at).any(|slab| overlap::holds(&slab.rings, p, BELONGS_M))
@@ -381,11 +385,11 @@ impl Plane {
                 if !(shared > 0.0) {
                     continue;
                 }
+                let Some(facing) = Facing::of(slab_a, slab_b, depth_m) else { continue };
                 let before = sum.weight;
                 for k in 0..CHORDS {
                     let travel_m = depth_m * (k as f64 + 0.5) / CHORDS as f64;
-                    let struck = &mut sum.struck;
-                    if let Some(found) = Overlap::of(slab_a, slab_b, travel_m, struck) {
+                    if let Some(found) = facing.overlap(travel_m, &mut sum.struck) {
                         sum.add(&found, shared, travel_m, centres);
                     }
                 }
@@ -452,8 +456,8 @@ fn ride(plane: &Plane, party: &Front, base: f64) -> Ride {
     }
 }
 
-/// Long flat faces in the plane, where A slides to the left of the normal and where it slides to its
-/// right; and whether any flat face is struck.
+/// Long flat faces in the plane, where A slides to the left of the normal and where it slides to
+/// its right; and whether any flat face is struck.
 fn faces(
     struck: &[SmallVec<[overlap::Struck; 16]>; 2],
     n: [f64; 2],
@@ -485,7 +489,7 @@ fn faces(
         for edge in struck {
             let Some(size) = of_face(edge) else { continue };
             is_flat |= size >= REACH_SHARE * length;
-            if size < LONG_SHARE * length {
+            if size < LONG_M.max(LONG_SHARE * length) {
                 continue;
             }
             let ends = [along(edge.ends[0]), along(edge.ends[1])];

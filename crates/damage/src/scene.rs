@@ -182,9 +182,8 @@ impl Touching {
         for stop in survey(&self.approach) {
             let mut seen = Seen { zones_a: Zones(1), zones_b: Zones(1), ..Seen::NOTHING };
             for point in self.scene.hits(stop.travel_m, &self.approach) {
-                seen.patch.add(&self.approach.directions, point);
-                if stop.is_last {
-                    seen.end.add(&self.approach.directions, point);
+                if stop.patch {
+                    seen.patch.add(&self.approach.directions, point);
                 }
             }
             evidence.add_hits(stop.travel_m, &seen);

@@ -1,10 +1,10 @@
 //! Holds the model of impact and injury against crash tests, and against orderings that any sane
 //! model satisfies.
 //!
-//! A file of crash tests (JSON) says what was driven into what, how fast, and the change of velocity
-//! that was measured; each test becomes a scene that the whole engine ranks. A file of orderings
-//! (TOML) has scenes and inequalities between figures of their answers, each with its reason and its
-//! source; those that fail are shown as failing.
+//! A file of crash tests (JSON) says what was driven into what, how fast, and the change of
+//! velocity that was measured; each test becomes a scene that the whole engine ranks. A file of
+//! orderings (TOML) has scenes and inequalities between figures of their answers, each with its
+//! reason and its source; those that fail are shown as failing.
 //!
 //! Parameters were fitted on some of the same tests: for these, each test is also computed with the
 //! parameter that fits the others best (leave one out).
@@ -13,7 +13,6 @@ use crate::progress::{Progress, SyncProgress};
 use damage::parameters::DEFAULT_PARAMETERS;
 use damage::{Criteria, Parameters, Policy};
 use runtime::input::InputKind;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trolley::{Failure, SourceText, files};
@@ -21,10 +20,11 @@ use trolley::{Failure, SourceText, files};
 mod crash_test;
 mod object;
 mod ordering;
-mod page;
+mod report;
 
 pub use crash_test::{Group, LeftOut, Validated};
 pub use ordering::Ordered;
+pub use report::ValidateReport;
 
 /// What to validate.
 #[derive(Clone, Debug, Default)]
@@ -33,20 +33,6 @@ pub struct ValidateOptions {
     pub files: Vec<PathBuf>,
     /// Parameters of contact and dynamics; `None`: the shipped ones.
     pub parameters: Option<PathBuf>,
-}
-
-/// What was found.
-#[derive(Clone, Debug, Serialize)]
-pub struct ValidateReport {
-    schema: &'static str,
-    /// Name of the parameters.
-    parameters: String,
-    /// Crash tests, in the order of the files.
-    pub tests: Vec<Validated>,
-    /// The groups of tests.
-    pub groups: Vec<Group>,
-    /// Orderings, in the order of their names.
-    pub orderings: Vec<Ordered>,
 }
 
 /// Validates. `told` is called with the number of scenes done.
@@ -120,29 +106,4 @@ fn found(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         all.append(&mut inside);
     }
     Ok(all)
-}
-
-impl ValidateReport {
-    /// Whether every group of tests lies within a bias of 10 % and an rms of 30 %, and every
-    /// ordering holds.
-    #[must_use]
-    pub fn is_right(&self) -> bool {
-        self.groups.iter().all(Group::is_within) && self.orderings.iter().all(|one| one.holds)
-    }
-
-    /// The report as text.
-    #[must_use]
-    pub fn text(&self) -> String {
-        page::text(self)
-    }
-
-    /// The report as a page, Markdown, and the figure beside it (PNG), if there are crash tests.
-    /// `figure` is the name by which the page links it.
-    ///
-    /// # Errors
-    ///
-    /// If the figure cannot be drawn.
-    pub fn page(&self, command: &str, figure: &str) -> Result<(String, Option<Vec<u8>>), Failure> {
-        page::page(self, command, figure)
-    }
 }

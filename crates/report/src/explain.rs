@@ -220,8 +220,8 @@ fn contact(lines: &mut Vec<String>, chain: &ContactChain) {
         chain.surface[1]
     ));
     lines.push(format!(
-        "  impact    J_n {:.1}, J_t {:.1} N s; ΔV {} m/s; yaw {} to {} °/s; {:.1} kJ lost; force from \
-         {}°",
+        "  impact    J_n {:.1}, J_t {:.1} N s; ΔV {} m/s; yaw {} to {} °/s; {:.1} kJ lost; force \
+         from {}°",
         chain.response.normal_n_s,
         chain.response.tangential_n_s,
         pair(chain.response.delta_v_m_s, m, 3),

@@ -10,8 +10,9 @@ const SHEET_M: f64 = 0.001;
 /// What lies this near to a section is not missed by it (m).
 const NEAR_M: f64 = 0.002;
 
-/// Most pieces that a union is made of, in one band. The crossings of a cloud of triangles grow with
-/// the square of their number; where there are more, squares around their corners stand for them.
+/// Most pieces that a union is made of, in one band. The crossings of a cloud of triangles grow
+/// with the square of their number; where there are more, squares around their corners stand for
+/// them.
 const PIECES_MAX: usize = 4000;
 
 /// Most segments of a cross-section that are put together to lines.

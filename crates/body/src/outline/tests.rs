@@ -23,7 +23,7 @@ fn prism(
     cuts: usize,
     with_lids: bool,
 ) -> Vec<Corners> {
-    let at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
+    let corner_at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
     let mut corners = Vec::new();
     for (k, p) in outline.iter().enumerate() {
         let q = outline[(k + 1) % outline.len()];
@@ -36,13 +36,13 @@ fn prism(
             for j in 0..cuts {
                 let [a, b] = [along(i), along(i + 1)];
                 let [c, d] = [up(j), up(j + 1)];
-                corners.push([at(a, c), at(b, c), at(b, d)]);
-                corners.push([at(a, c), at(b, d), at(a, d)]);
+                corners.push([corner_at(a, c), corner_at(b, c), corner_at(b, d)]);
+                corners.push([corner_at(a, c), corner_at(b, d), corner_at(a, d)]);
             }
         }
         if with_lids && k + 1 < outline.len() && k > 0 {
             for z in [low, high] {
-                corners.push([at(outline[0], z), at(*p, z), at(q, z)]);
+                corners.push([corner_at(outline[0], z), corner_at(*p, z), corner_at(q, z)]);
             }
         }
     }
@@ -104,9 +104,9 @@ fn open_cut_and_inside_out_surfaces_have_the_outline_of_the_whole() {
         let q = CAR[(k + 1) % 4];
         let mix = |s: f64| [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
         let panel = [mix(0.01), mix(0.99)];
-        let at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
-        parted.push([at(panel[0], 0.0), at(panel[1], 0.0), at(panel[1], 1.5)]);
-        parted.push([at(panel[0], 0.0), at(panel[1], 1.5), at(panel[0], 1.5)]);
+        let corner_at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
+        parted.push([corner_at(panel[0], 0.0), corner_at(panel[1], 0.0), corner_at(panel[1], 1.5)]);
+        parted.push([corner_at(panel[0], 0.0), corner_at(panel[1], 1.5), corner_at(panel[0], 1.5)]);
     }
     for (name, corners) in
         [("open", open), ("reversed", reversed), ("nested", nested), ("parted", parted)]
@@ -166,11 +166,14 @@ fn bodies_without_an_inside_have_outlines() {
 fn the_front_is_where_a_leaning_edge_meets_it() {
     // A bonnet at 0.7 m that rises to 0.9 m over a metre, a windscreen from there to 1.4 m.
     let profile = [[2.0, 0.3], [2.0, 0.7], [1.0, 0.9], [0.0, 1.4], [-2.0, 1.4], [-2.0, 0.3]];
-    let at = |[x, z]: [f64; 2], y: f32| [x as f32, y, z as f32 - 0.3];
+    let corner_at = |[x, z]: [f64; 2], y: f32| [x as f32, y, z as f32 - 0.3];
     let corners = (0..6)
         .flat_map(|k| {
             let (p, q) = (profile[k], profile[(k + 1) % 6]);
-            [[at(p, -0.9), at(q, -0.9), at(q, 0.9)], [at(p, -0.9), at(q, 0.9), at(p, 0.9)]]
+            [
+                [corner_at(p, -0.9), corner_at(q, -0.9), corner_at(q, 0.9)],
+                [corner_at(p, -0.9), corner_at(q, 0.9), corner_at(p, 0.9)],
+            ]
         })
         .collect();
     let height = front_height_m(&mesh(corners)).expect("a front");

@@ -10,9 +10,9 @@ use crate::explain::ContactChain;
 use crate::request::{Candidate, Motions, Request, RequestError, StatedParty, approach, party};
 use crate::work::SurveyRun;
 use bvh::Witness;
+use damage::CandidateHarm;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
-use damage::{CandidateHarm, Footprint, Front, Plane};
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
 
@@ -62,7 +62,7 @@ fn motions(scenery: &Scenery<'_>, course: &Course<'_>, meeting: &NextContact) ->
     }
 }
 
-/// A contact as a candidate of a request: its first contact is known.
+/// A contact as a candidate of a request: its first contact is known, its plane is not laid yet.
 pub(super) fn contact(
     scenery: &Scenery<'_>,
     people: &People,
@@ -95,13 +95,6 @@ pub(super) fn contact(
     approach.check().map_err(refused)?;
     let stands = approach.closing_m_s < STANDSTILL_M_S;
     let is_start = meeting.begin == Begin::AtStart && meeting.touching.time_s <= 0.0;
-    let outlines = [ego, other].map(|number| &scenery.body(number).0.outlines);
-    let plane = (!(is_start && stands)).then(|| {
-        let of_a = Footprint::of(outlines[0], None, &approach);
-        let of_b = Footprint::of(outlines[1], Some(&pose), &approach);
-        let fronts = [Front::of(&a), Front::of(&b)];
-        Plane::of(&approach, [&of_a, &of_b], fronts, meeting.touching.point)
-    });
     let touching = &meeting.touching;
     let witness = Witness {
         travel_m: 0.0,
@@ -120,7 +113,8 @@ pub(super) fn contact(
         model_b: models[1] as u32,
         pose,
         approach,
-        plane,
+        is_stuck: is_start && stands,
+        plane: None,
         a,
         b,
         probability: 1.0,

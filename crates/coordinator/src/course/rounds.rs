@@ -121,7 +121,8 @@ impl<'r> Rounds<'r> {
             return Ok(None);
         }
         while let Some(meeting) = course.way.next(&mut self.search, is_due) {
-            let contact = contact(&self.scenery, &self.people, course, k, &meeting, &support_of)?;
+            let mut contact =
+                contact(&self.scenery, &self.people, course, k, &meeting, &support_of)?;
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
             let parts =
@@ -133,6 +134,9 @@ impl<'r> Rounds<'r> {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {
+                    let parties = [self.scenery.scenario.ego.0, meeting.party];
+                    let outlines = parties.map(|party| &self.scenery.body(party).0.outlines);
+                    contact.lay_plane(outlines, meeting.touching.point);
                     return Ok(Some((meeting, contact)));
                 }
             }

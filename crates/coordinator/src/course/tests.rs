@@ -376,8 +376,10 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
         let support_of = |model: usize, d: DVec3| support(&views[model].1, d);
         let candidate = contact(&scenery, &people, &course, 0, &meeting, &support_of);
+        let mut candidate = candidate.expect("it closes");
+        candidate.lay_plane([&sedan.meta.outlines; 2], meeting.touching.point);
         let request = Request {
-            candidates: vec![candidate.expect("it closes")],
+            candidates: vec![candidate],
             persons: people.list.clone(),
             criteria: Criteria::with_policy(Policy::shipped().expect("sound")).expect("sound"),
         };

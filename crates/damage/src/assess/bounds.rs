@@ -2,8 +2,8 @@
 //! result.
 //!
 //! The figures equal those of [`super::assess`] bit for bit. What is only shown is left out, and so
-//! is the model range, which samples parameters and curves: it is computed once a candidate is done,
-//! or earlier for a policy that accepts by it.
+//! is the model range, which samples parameters and curves: it is computed once a candidate is
+//! done, or earlier for a policy that accepts by it.
 
 use super::crash::Crash;
 use super::{AssessError, Basis, Encounter, assess_in};

@@ -222,7 +222,7 @@ impl<'a> Crash<'a> {
             self.parties.map(stiffness_if_mobile),
             energy_j,
             patch.width_m.hi(),
-            patch.depth_m,
+            Interval::exactly(patch.depth_m),
         );
         let from = n * response.normal_n_s + left * response.tangential_n_s;
         harm.impulse_n_s = from.to_array().map(|x| x + 0.0);

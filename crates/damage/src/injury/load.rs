@@ -17,8 +17,9 @@ const FRONTS_M: [f64; 3] = [0.0, 0.9, 1.24];
 const LADDER_SLACK: f64 = 1e-12;
 
 const KEYS: &str = "a curve file has schema, name, mixed_origins, [[curve]] (id, outcome, unit, \
-                    a, b, front, valid, source, year, sample, origin, note) and [[person]] (victim, \
-                    level, x, nominal, at_most, low, high); age, sex and condition have no place in it";
+                    a, b, front, valid, source, year, sample, origin, note) and [[person]] \
+                    (victim, level, x, nominal, at_most, low, high); age, sex and condition have \
+                    no place in it";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -129,9 +129,9 @@ fn near_is_worse_than_front_and_far_and_tall_is_worse_than_low() {
     let curves = shipped();
     for k in 1..300 {
         let v = 0.1 * f64::from(k);
-        let of = |victim| risk(&curves, victim, Level::Mais3, v);
-        assert!(of(Victim::OccupantNear) > of(Victim::OccupantFront));
-        assert!(of(Victim::OccupantNear) > of(Victim::OccupantFar));
+        let risk_of = |victim| risk(&curves, victim, Level::Mais3, v);
+        assert!(risk_of(Victim::OccupantNear) > risk_of(Victim::OccupantFront));
+        assert!(risk_of(Victim::OccupantNear) > risk_of(Victim::OccupantFar));
         for victim in [Victim::Pedestrian, Victim::Cyclist] {
             let rung = curves.rung(victim, Level::Mais3).expect("has a curve");
             let by_height = |h: f64| curves.risk(rung, &speeds(v, h));

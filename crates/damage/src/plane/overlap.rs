@@ -1,6 +1,6 @@
 //! The overlap of two outlines in plan: its chord, its centre, and the edges that bound it.
 
-use super::Slab;
+use super::PlacedBand;
 use smallvec::SmallVec;
 
 /// Edges nearer than this (m) coincide.
@@ -95,103 +95,177 @@ fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     dot(off, off).sqrt()
 }
 
-/// How the middle of a piece lies to rings.
-fn place(piece: [[f64; 2]; 2], rings: &[Vec<[f64; 2]>]) -> Place {
-    let middle = [0, 1].map(|axis| 0.5 * (piece[0][axis] + piece[1][axis]));
-    let way = sub(piece[1], piece[0]);
-    for (_, [a, b]) in edges(rings) {
-        let is_near = (0..2).all(|axis| {
-            a[axis].min(b[axis]) - SAME_M <= middle[axis]
-                && middle[axis] <= a[axis].max(b[axis]) + SAME_M
-        });
-        if is_near && distance(middle, a, b) <= SAME_M {
-            let other = sub(b, a);
-            let (along, across) = (dot(way, other), cross(way, other));
-            // Edges that only cross here are no coincidence.
-            if across.abs() <= 1e-3 * along.abs() {
-                return if along > 0.0 { Place::SameWay } else { Place::OtherWay };
-            }
-        }
-    }
-    if rings.iter().any(|ring| winds(ring, middle)) { Place::Inside } else { Place::Outside }
+/// An edge that may take part in an overlap.
+#[derive(Clone, Copy)]
+struct Edge {
+    number: (usize, usize),
+    ends: [[f64; 2]; 2],
+    low: [f64; 2],
+    high: [f64; 2],
 }
 
-/// The pieces of an edge between its crossings with rings.
-fn pieces([p, q]: [[f64; 2]; 2], rings: &[Vec<[f64; 2]>], found: &mut SmallVec<[Piece; 8]>) {
-    let d = sub(q, p);
-    let mut cuts: SmallVec<[f64; 8]> = SmallVec::new();
-    cuts.push(0.0);
-    let (low, high) = ([p[0].min(q[0]), p[1].min(q[1])], [p[0].max(q[0]), p[1].max(q[1])]);
-    let square = dot(d, d);
-    for (_, [a, b]) in edges(rings) {
-        let is_apart = (0..2).any(|axis| {
-            a[axis].max(b[axis]) < low[axis] - SAME_M || a[axis].min(b[axis]) > high[axis] + SAME_M
-        });
-        if is_apart {
-            continue;
-        }
-        let e = sub(b, a);
-        let across = cross(d, e);
-        let parallel = 1e-12 * (square * dot(e, e)).sqrt();
-        if across.abs() > parallel {
-            let w = sub(a, p);
-            let (s, t) = (cross(w, e) / across, cross(w, d) / across);
-            if (-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0 {
-                cuts.push(s);
+type Edges = SmallVec<[Edge; 32]>;
+
+/// The edges of one outline, or of those of it that count.
+#[derive(Clone, Copy)]
+struct Side<'e> {
+    edges: &'e [Edge],
+    /// How far they have moved along u (m).
+    moved_m: f64,
+    /// Whether all edges in this direction along u are there: what is inside is told by them.
+    is_ahead: bool,
+}
+
+impl Edge {
+    fn new(number: (usize, usize), ends: [[f64; 2]; 2]) -> Self {
+        let [p, q] = ends;
+        let low = [p[0].min(q[0]), p[1].min(q[1])];
+        Self { number, ends, low, high: [p[0].max(q[0]), p[1].max(q[1])] }
+    }
+
+    fn moved(&self, by_m: f64) -> Self {
+        let shift = |p: [f64; 2]| [p[0] + by_m, p[1]];
+        let ends = self.ends.map(shift);
+        Self { ends, low: shift(self.low), high: shift(self.high), ..*self }
+    }
+}
+
+impl Side<'_> {
+    /// How the middle of a piece lies to the outline.
+    fn place(&self, piece: [[f64; 2]; 2]) -> Place {
+        let middle =
+            [0.5 * (piece[0][0] + piece[1][0]) - self.moved_m, 0.5 * (piece[0][1] + piece[1][1])];
+        let way = sub(piece[1], piece[0]);
+        let mut is_in = false;
+        for edge in self.edges {
+            if edge.high[1] < middle[1] - SAME_M || edge.low[1] > middle[1] + SAME_M {
+                continue;
             }
-        } else if square > 0.0 {
-            // Parallel edges may coincide in part.
-            for end in [a, b] {
-                let s = dot(sub(end, p), d) / square;
-                if s > 0.0 && s < 1.0 && distance(end, p, q) <= SAME_M {
+            let [a, b] = edge.ends;
+            let is_near = edge.low[0] - SAME_M <= middle[0] && middle[0] <= edge.high[0] + SAME_M;
+            if is_near && distance(middle, a, b) <= SAME_M {
+                let other = sub(b, a);
+                let (along, across) = (dot(way, other), cross(way, other));
+                // Edges that only cross here are no coincidence.
+                if across.abs() <= 1e-3 * along.abs() {
+                    return if along > 0.0 { Place::SameWay } else { Place::OtherWay };
+                }
+            }
+            // Even-odd, by a ray along u or against it.
+            let is_left = (cross(sub(b, a), sub(middle, a)) > 0.0) == (b[1] > a[1]);
+            is_in ^= (a[1] > middle[1]) != (b[1] > middle[1]) && is_left == self.is_ahead;
+        }
+        if is_in { Place::Inside } else { Place::Outside }
+    }
+
+    /// The pieces of an edge between its crossings with the outline.
+    fn pieces(&self, edge: &Edge, found: &mut SmallVec<[Piece; 8]>) {
+        let [p, q] = edge.ends;
+        let d = sub(q, p);
+        let mut cuts: SmallVec<[f64; 8]> = SmallVec::new();
+        cuts.push(0.0);
+        let square = dot(d, d);
+        for other in self.edges {
+            let is_apart = other.high[0] + self.moved_m < edge.low[0] - SAME_M
+                || other.low[0] + self.moved_m > edge.high[0] + SAME_M
+                || other.high[1] < edge.low[1] - SAME_M
+                || other.low[1] > edge.high[1] + SAME_M;
+            if is_apart {
+                continue;
+            }
+            let [a, b] = other.ends.map(|end| [end[0] + self.moved_m, end[1]]);
+            let e = sub(b, a);
+            let across = cross(d, e);
+            let parallel = 1e-12 * (square * dot(e, e)).sqrt();
+            if across.abs() > parallel {
+                let w = sub(a, p);
+                let (s, t) = (cross(w, e) / across, cross(w, d) / across);
+                if (-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0 {
                     cuts.push(s);
+                }
+            } else if square > 0.0 {
+                // Parallel edges may coincide in part.
+                for end in [a, b] {
+                    let s = dot(sub(end, p), d) / square;
+                    if s > 0.0 && s < 1.0 && distance(end, p, q) <= SAME_M {
+                        cuts.push(s);
+                    }
                 }
             }
         }
-    }
-    cuts.push(1.0);
-    cuts.sort_by(f64::total_cmp);
-    for pair in cuts.windows(2) {
-        let at = |s: f64| [p[0] + s * d[0], p[1] + s * d[1]];
-        let (from, to) = (at(pair[0]), at(pair[1]));
-        if from != to {
-            found.push(Piece { from, to, place: place([from, to], rings) });
+        cuts.push(1.0);
+        cuts.sort_by(f64::total_cmp);
+        for pair in cuts.windows(2) {
+            let point = |s: f64| [p[0] + s * d[0], p[1] + s * d[1]];
+            let (from, to) = (point(pair[0]), point(pair[1]));
+            if from != to {
+                found.push(Piece { from, to, place: self.place([from, to]) });
+            }
         }
     }
 }
 
-impl Overlap {
-    /// The overlap of two outlines after B has come nearer by a travel; `None` if there is none.
-    pub(super) fn of(
-        a: &Slab,
-        b: &Slab,
-        travel_m: f64,
-        struck: &mut [SmallVec<[Struck; 16]>; 2],
-    ) -> Option<Self> {
-        let box_b = b.bounds.map(|p| [p[0] - travel_m, p[1]]);
-        let low = [0, 1].map(|k| a.bounds[0][k].max(box_b[0][k]) - SAME_M);
-        let high = [0, 1].map(|k| a.bounds[1][k].min(box_b[1][k]) + SAME_M);
-        if low[0] > high[0] || low[1] > high[1] {
+/// Two outlines that face each other: the edges of either that the other may reach.
+pub(super) struct Facing {
+    edges: [Edges; 2],
+    slabs: [f64; 2],
+}
+
+impl Facing {
+    /// The edges that may take part while B comes nearer by up to a travel; `None` if there are
+    /// none.
+    pub(super) fn of(a: &PlacedBand, b: &PlacedBand, most_m: f64) -> Option<Self> {
+        let [low_a, high_a] = a.bounds;
+        let [low_b, high_b] = b.bounds;
+        let across = [low_a[1].max(low_b[1]) - SAME_M, high_a[1].min(high_b[1]) + SAME_M];
+        let nearest = low_b[0] - most_m - SAME_M;
+        let furthest = high_a[0] + most_m + SAME_M;
+        if across[0] > across[1] || nearest > high_a[0] || furthest < low_b[0] {
             return None;
         }
-        let moved = |p: &[f64; 2]| [p[0] - travel_m, p[1]];
-        let rings_b: Vec<Vec<[f64; 2]>> =
-            b.rings.iter().map(|ring| ring.iter().map(moved).collect()).collect();
-        let mut sums = Sums::at([0, 1].map(|k| 0.5 * (low[k] + high[k])));
+        let is_beside = |edge: &Edge| edge.high[1] >= across[0] && edge.low[1] <= across[1];
+        let all = |band: &PlacedBand| -> Edges {
+            let edges = edges(&band.rings).map(|(number, ends)| Edge::new(number, ends));
+            edges.filter(is_beside).collect()
+        };
+        let (mut of_a, mut of_b) = (all(a), all(b));
+        of_a.retain(|edge| edge.high[0] >= nearest);
+        of_b.retain(|edge| edge.low[0] <= furthest);
+        Some(Self { edges: [of_a, of_b], slabs: [a.height_m[0], b.height_m[0]] })
+    }
+
+    /// The overlap after B has come nearer by a travel; `None` if there is none.
+    pub(super) fn overlap(
+        &self,
+        travel_m: f64,
+        struck: &mut [SmallVec<[Struck; 16]>; 2],
+    ) -> Option<Overlap> {
+        let [of_a, of_b] = &self.edges;
+        let ends = |edges: &Edges, from: f64, pick: fn(f64, f64) -> f64, end: fn(&Edge) -> f64| {
+            edges.iter().map(end).fold(from, pick)
+        };
+        // Only between B's first edge and A's last one along u is there anything.
+        let low = ends(of_b, f64::INFINITY, f64::min, |edge| edge.low[0]) - travel_m - SAME_M;
+        let high = ends(of_a, f64::NEG_INFINITY, f64::max, |edge| edge.high[0]) + SAME_M;
+        if low > high {
+            return None;
+        }
+        let origin = [0.5 * (low + high), of_a.first().map_or(0.0, |edge| edge.low[1])];
+        let mut sums = Sums::at(origin);
         let mut found: SmallVec<[Piece; 8]> = SmallVec::new();
-        for (side, (rings, others)) in
-            [(&a.rings, &rings_b), (&rings_b, &a.rings)].into_iter().enumerate()
-        {
-            let slab = [a, b][side].height_m[0];
-            for (number, edge) in edges(rings) {
-                let is_near = (0..2).all(|k| {
-                    edge[0][k].max(edge[1][k]) >= low[k] && edge[0][k].min(edge[1][k]) <= high[k]
-                });
-                if !is_near {
+        let sides = [
+            Side { edges: of_a, moved_m: 0.0, is_ahead: true },
+            Side { edges: of_b, moved_m: -travel_m, is_ahead: false },
+        ];
+        for side in 0..2 {
+            let (own, other) = (sides[side], sides[1 - side]);
+            for edge in own.edges {
+                let edge = edge.moved(own.moved_m);
+                if edge.high[0] < low || edge.low[0] > high {
                     continue;
                 }
                 found.clear();
-                pieces(edge, others, &mut found);
+                other.pieces(&edge, &mut found);
                 let mut inside = 0.0;
                 for piece in &found {
                     let way = sub(piece.to, piece.from);
@@ -210,7 +284,8 @@ impl Overlap {
                     }
                 }
                 if inside > 0.0 {
-                    note(&mut struck[side], number, slab, (edge, side, travel_m), inside);
+                    let place = (edge.number, self.slabs[side]);
+                    note(&mut struck[side], place, edge.moved(-own.moved_m).ends, inside);
                 }
             }
         }
@@ -218,22 +293,17 @@ impl Overlap {
     }
 }
 
-/// Adds to how much of an edge is struck.
+/// Adds to how much of an edge, by its number and the height of its band, is struck.
 fn note(
     struck: &mut SmallVec<[Struck; 16]>,
-    edge: (usize, usize),
-    slab: f64,
-    (ends, side, travel_m): ([[f64; 2]; 2], usize, f64),
+    (edge, slab): ((usize, usize), f64),
+    ends: [[f64; 2]; 2],
     length: f64,
 ) {
     let is_same = |s: &&mut Struck| s.edge == edge && s.slab.to_bits() == slab.to_bits();
     match struck.iter_mut().find(is_same) {
         Some(known) => known.length += length,
-        None => {
-            let back = if side == 1 { travel_m } else { 0.0 };
-            let ends = ends.map(|[x, y]| [x + back, y]);
-            struck.push(Struck { edge, slab, ends, length });
-        }
+        None => struck.push(Struck { edge, slab, ends, length }),
     }
 }
 

@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-9;
 
 const KEYS: &str = "a file of orderings has schema, [scenes.NAME] (text, and level and curves = \
                     \"levels\" where others than MAIS3+ count) and [[ordering]] (name, reason, \
-                    source, more, less or value, factor); more and less have scene, candidate, of \
+                    source, two of more, less and value, factor); more and less have scene, candidate, of \
                     (risk, injured, delta-v, under, over), party and seat";
 
 #[derive(Deserialize)]
@@ -48,7 +48,7 @@ struct Written {
     name: String,
     reason: String,
     source: String,
-    more: Measured,
+    more: Option<Measured>,
     less: Option<Measured>,
     value: Option<f64>,
     #[serde(default = "one")]
@@ -128,13 +128,14 @@ pub(super) fn read(name: &str, text: &str) -> Result<Vec<Ordering>, Failure> {
     for written in file.ordering {
         let at = written.span().start;
         let written = written.into_inner();
-        for measured in [Some(&written.more), written.less.as_ref()].into_iter().flatten() {
+        for measured in [&written.more, &written.less].into_iter().flatten() {
             if !scenes.contains_key(&measured.scene) {
                 return Err(refused(at, &format!("there is no scene \"{}\"", measured.scene)));
             }
         }
-        if written.less.is_some() == written.value.is_some() {
-            return Err(refused(at, "an ordering has either less or value"));
+        let given = [written.more.is_some(), written.less.is_some(), written.value.is_some()];
+        if given.iter().filter(|is_given| **is_given).count() != 2 {
+            return Err(refused(at, "an ordering has two of more, less and value"));
         }
         if written.reason.trim().is_empty() || written.source.trim().is_empty() {
             return Err(refused(at, "an ordering has a reason and a source"));
@@ -168,12 +169,12 @@ pub(super) fn run(
             })
         };
         let Written { reason, source, more, less, value, factor, .. } = &ordering.written;
-        let more = figure(more)?;
-        let other = match less {
-            Some(less) => figure(less)?,
-            None => value.unwrap_or(0.0),
+        let mut given = |side: &Option<Measured>| match side {
+            Some(measured) => figure(measured),
+            None => Ok(value.unwrap_or(0.0)),
         };
-        let less = factor * other;
+        let more = given(more)?;
+        let less = factor * given(less)?;
         tried.push(Ordered {
             name: ordering.name.clone(),
             reason: reason.clone(),

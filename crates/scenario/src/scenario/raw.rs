@@ -34,8 +34,8 @@ pub(crate) struct Scenario {
     /// the program.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) curves: Option<String>,
-    /// File of parameters of contact and dynamics, relative to this file and in its folder. Default:
-    /// those of the program.
+    /// File of parameters of contact and dynamics, relative to this file and in its folder.
+    /// Default: those of the program.
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) parameters: Option<String>,
     /// Time for the answer [ms], from the acceptance of the request. Default: none.

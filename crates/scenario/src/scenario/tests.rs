@@ -20,11 +20,11 @@ const FULL: &str = r#"schema = "trolley.scenario/2"
 name = "Every key"
 policy = "policies/board.toml"
 curves = "curves/level3.toml"
+parameters = "parameters/ours.toml"
 deadline_ms = 50
 horizon_s = 4
 resolution_m = 0.002
 ego = "car"
-
 [engine]
 workers = 2
 cores = [0, 1]

@@ -1,16 +1,57 @@
 //! The report of a validation, as text and as a page with a figure.
 
-use super::ValidateReport;
+use super::crash_test::{Group, Validated};
+use super::ordering::Ordered;
 use crate::measure::figure;
+use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::Failure;
 
-/// Said wherever fitted figures are shown.
-const FITTED: &str = "Friction and the behaviour along barriers were fitted on tests of these groups: \
-                      where each test is left out of the fit, figures are of tests that the parameter \
-                      has not seen.";
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValidateReport {
+    pub(super) schema: &'static str,
+    /// Name of the parameters.
+    pub(super) parameters: String,
+    /// Crash tests, in the order of the files.
+    pub tests: Vec<Validated>,
+    /// The groups of tests.
+    pub groups: Vec<Group>,
+    /// Orderings, in the order of their names.
+    pub orderings: Vec<Ordered>,
+}
 
-pub(super) fn text(report: &ValidateReport) -> String {
+impl ValidateReport {
+    /// Whether every group of tests lies within a bias of 10 % and an rms of 30 %, and every
+    /// ordering holds.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.groups.iter().all(Group::is_within) && self.orderings.iter().all(|one| one.holds)
+    }
+
+    /// The report as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        text(self)
+    }
+
+    /// The report as a page, Markdown, and the figure beside it (PNG), if there are crash tests.
+    /// `figure` is the name by which the page links it.
+    ///
+    /// # Errors
+    ///
+    /// If the figure cannot be drawn.
+    pub fn page(&self, command: &str, figure: &str) -> Result<(String, Option<Vec<u8>>), Failure> {
+        page(self, command, figure)
+    }
+}
+
+/// Said wherever fitted figures are shown.
+const FITTED: &str = "Friction and the behaviour along barriers were fitted on tests of these \
+                      groups: where each test is left out of the fit, figures are of tests that \
+                      the parameter has not seen.";
+
+fn text(report: &ValidateReport) -> String {
     let mut text = format!("Parameters \"{}\"\n", report.parameters);
     // Writing to a string cannot fail.
     if !report.tests.is_empty() {
@@ -54,7 +95,7 @@ pub(super) fn text(report: &ValidateReport) -> String {
     text
 }
 
-pub(super) fn page(
+fn page(
     report: &ValidateReport,
     command: &str,
     figure: &str,
@@ -62,9 +103,9 @@ pub(super) fn page(
     let mut page = String::from("# Impact and injury against crash tests and orderings\n\n");
     let _w = writeln!(
         page,
-        "Written by `{command}`. Parameters \"{}\" (`config/parameters`), shipped curves. Each test \
-         is a scene that the whole engine ranks; its figure is the nominal change of velocity of \
-         the car.\n",
+        "Written by `{command}`. Parameters \"{}\" (`config/parameters`), shipped curves. Each \
+         test is a scene that the whole engine ranks; its figure is the nominal change of \
+         velocity of the car.\n",
         report.parameters
     );
     let drawn = if report.tests.is_empty() { None } else { Some(drawn(report)?) };
