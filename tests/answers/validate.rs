@@ -9,8 +9,8 @@ fn validate(args: &[&str]) -> Output {
     trolley().arg("validate").args(args).output().unwrap()
 }
 
-/// A car that meets a wall head on, one that does not quite, and one along a barrier: the middle one
-/// is what a calculation by hand gives.
+/// A car that meets a wall head on, one that does not quite, and one along a barrier: the middle
+/// one is what a calculation by hand gives.
 const TESTS: &str = r#"[
  { "id": "whole", "group": "walls", "size_m": [4.5, 1.8], "mass_kg": 1500,
    "object": "Flat steel wall 5 cm rad", "overlap": 1.0, "speed_m_s": 15, "dv_m_s": 16.5,

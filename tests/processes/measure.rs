@@ -64,7 +64,9 @@ fn a_measurement_writes_tables_figures_and_a_page_that_fit_together() {
 #[test]
 fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
     let place = Place::new();
-    let path = place.write("ways.toml", &ways(2000));
+    // So short that no way has a second contact.
+    let ways = ways(2000).replacen("horizon_s = 3", "horizon_s = 1.3", 1);
+    let path = place.write("ways.toml", &ways);
     let path = path.to_str().expect("a path of letters");
     let log = place.path().join("log.csv");
     let run = |args: &[&str]| {

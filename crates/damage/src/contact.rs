@@ -1,8 +1,8 @@
 //! What a contact is like: its plane, and the patch that the bodies' triangles make of it.
 //!
-//! The plane comes from outlines ([`crate::plane`]), so it is known before any job. The patch and its
-//! zones come from hit sets; they are computed from supports, so they do not depend
-//! on the mesh. They are shown, and lift ranges; no nominal figure depends on them.
+//! The plane comes from outlines ([`crate::plane`]), so it is known before any job. The patch and
+//! its zones come from hit sets; they are computed from supports, so they do not depend on the
+//! mesh. They are shown, and lift ranges; no nominal figure depends on them.
 //!
 //! It does not know masses or persons.
 

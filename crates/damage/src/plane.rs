@@ -54,6 +54,9 @@ const LONG_SHARE: f64 = 0.6;
 /// ... and at least so long (m): a door or a bumper turns nobody, however short who hits it is.
 const LONG_M: f64 = 2.5;
 
+/// A flat face of a fixed object is at least so long (m): a pole has none.
+const FLAT_M: f64 = 1.0;
+
 /// The face of a barrier reaches this share of the length of who hits it beyond the contact.
 const REACH_SHARE: f64 = 1.0 / 3.0;
 
@@ -435,11 +438,13 @@ impl Plane {
             plane.arms_m = sum.arms.map(|arm| axes.vector(arm.map(|s| s / sum.weight)));
             let middle = sum.point.map(|s| s / sum.weight);
             plane.point_m = axes.vector(middle) + axes.0[2] * (sum.height / sum.weight);
-            (plane.faces, plane.is_flat) =
-                faces(&sum.struck, n, at.0, [a, b], parties.map(|p| axes.plan(p.forward)));
+            (plane.faces, plane.is_flat) = {
+                let forwards = parties.map(|party| axes.plan(party.forward));
+                let are_fixed = parties.map(|party| party.is_fixed);
+                faces(&sum.struck, n, at.0, [a, b], (forwards, are_fixed))
+            };
         }
         plane.rides = [0, 1].map(|p| ride(&plane, &parties[p], [a, b][p].base()));
-        plane.is_flat &= parties.iter().any(|party| party.is_fixed);
         plane
     }
 }
@@ -463,7 +468,7 @@ fn faces(
     n: [f64; 2],
     at: [f64; 2],
     footprints: [&Footprint; 2],
-    forwards: [[f64; 2]; 2],
+    (forwards, are_fixed): ([[f64; 2]; 2], [bool; 2]),
 ) -> ([Option<LongFace>; 2], bool) {
     let left = [-n[1], n[0]];
     let along = |p: [f64; 2]| (p[0] - at[0]) * left[0] + (p[1] - at[1]) * left[1];
@@ -488,7 +493,7 @@ fn faces(
         }
         for edge in struck {
             let Some(size) = of_face(edge) else { continue };
-            is_flat |= size >= REACH_SHARE * length;
+            is_flat |= are_fixed[of] && size >= FLAT_M.max(REACH_SHARE * length);
             if size < LONG_M.max(LONG_SHARE * length) {
                 continue;
             }

@@ -184,12 +184,13 @@ fn contact(lines: &mut Vec<String>, chain: &ContactChain) {
         Some(PlaneOrigin::WeakPart) => "only a weak part is hit: no impulse",
         Some(PlaneOrigin::Motion) => "plane across the motion",
     };
-    let of = |p: usize| if p == 0 { "ego" } else { chain.other.as_str() };
-    let face = chain.long_face_of.map_or(String::new(), |p| format!("; long face of {}", of(p)));
+    let name_of = |p: usize| if p == 0 { "ego" } else { chain.other.as_str() };
+    let face =
+        chain.long_face_of.map_or(String::new(), |p| format!("; long face of {}", name_of(p)));
     let rides = [0, 1].into_iter().filter_map(|p| match chain.rides[p] {
         Ride::Level => None,
-        Ride::Under => Some(format!("; {} goes under", of(p))),
-        Ride::Over => Some(format!("; {} goes over", of(p))),
+        Ride::Under => Some(format!("; {} goes under", name_of(p))),
+        Ride::Over => Some(format!("; {} goes over", name_of(p))),
     });
     lines.push(format!(
         "  contact   {plane}{face}{}; closing at {:.3} m/s, normal {:.0}° from it: v_n {:.3}, v_t \

@@ -126,7 +126,7 @@ impl<'r> Rounds<'r> {
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
             let parts =
-                contact.plane.is_some() && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
+                !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
             match meeting.begin {
                 Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
                 // It was assessed before, and stays as light as it was.

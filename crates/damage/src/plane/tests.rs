@@ -53,14 +53,14 @@ fn oblique_walls_are_met_along_their_normal() {
     }
 }
 
-/// The box of a car with corners of 15 cm radius.
+/// The box of a car with corners of 25 cm radius.
 fn rounded(length: f64, width: f64, centre: [f64; 2], degrees: f64) -> Prism {
     let (sin, cos) = libm::sincos(degrees.to_radians());
     let corner = |k: u32| {
         let (s, c) = libm::sincos(f64::from(k) * core::f64::consts::TAU / 256.0 + 0.012);
         let (x, y) = (
-            (0.5 * length - 0.15).copysign(c) + 0.15 * c,
-            (0.5 * width - 0.15).copysign(s) + 0.15 * s,
+            (0.5 * length - 0.25).copysign(c) + 0.25 * c,
+            (0.5 * width - 0.25).copysign(s) + 0.25 * s,
         );
         [x * cos - y * sin + centre[0], x * sin + y * cos + centre[1]]
     };
@@ -121,9 +121,9 @@ fn what_only_hits_a_mirror_breaks_it_off() {
     let outlines = [scene.a.outlines(), scene.b.outlines()];
     let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
     let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
-    let at = |y: f64| Plane::of(&approach, [&a, &b], fronts, DVec3::new(0.6, y, 0.9)).origin;
-    assert_eq!(at(1.0), PlaneOrigin::WeakPart);
-    assert_eq!(at(0.91), PlaneOrigin::WeakPart.max_if_near(&b, &approach));
+    let origin_at = |y: f64| Plane::of(&approach, [&a, &b], fronts, DVec3::new(0.6, y, 0.9)).origin;
+    assert_eq!(origin_at(1.0), PlaneOrigin::WeakPart);
+    assert_eq!(origin_at(0.91), PlaneOrigin::WeakPart.max_if_near(&b, &approach));
 }
 
 impl PlaneOrigin {

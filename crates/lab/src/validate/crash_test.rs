@@ -253,7 +253,7 @@ pub(super) fn run(
         let staged = Staged::new(test)?;
         computed.push(staged.delta_v_m_s(criteria)?);
         let fitted = fitted(test.object());
-        let at = |k: usize| {
+        let value_at = |k: usize| {
             let share = k as f64 / (TRIED - 1) as f64;
             let mut parameters = (*criteria.parameters).clone();
             let [from, to] = fitted.range;
@@ -261,7 +261,7 @@ pub(super) fn run(
             let criteria = Criteria { parameters: Arc::new(parameters), ..criteria.clone() };
             staged.delta_v_m_s(&criteria)
         };
-        tried.push((0..TRIED).map(at).collect::<Result<_, _>>()?);
+        tried.push((0..TRIED).map(value_at).collect::<Result<_, _>>()?);
         bar.add(1);
     }
     let error = |k: usize, value: f64| value / tests[k].dv_m_s - 1.0;

@@ -121,16 +121,20 @@ fn rounded(length: f64, width: f64, radius: f64) -> Vec<[f64; 2]> {
 
 /// An upright prism from the ground to a height.
 fn prism(outline: &[[f64; 2]], height: f64) -> Vec<Corners> {
-    let at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
+    let corner_at = |[x, y]: [f64; 2], z: f64| [x as f32, y as f32, z as f32];
     let count = outline.len();
     let mut corners = Vec::new();
     for (k, p) in outline.iter().enumerate() {
         let q = outline[(k + 1) % count];
-        corners.push([at(*p, 0.0), at(q, 0.0), at(q, height)]);
-        corners.push([at(*p, 0.0), at(q, height), at(*p, height)]);
+        corners.push([corner_at(*p, 0.0), corner_at(q, 0.0), corner_at(q, height)]);
+        corners.push([corner_at(*p, 0.0), corner_at(q, height), corner_at(*p, height)]);
         if (1..count - 1).contains(&k) {
-            corners.push([at(outline[0], height), at(*p, height), at(q, height)]);
-            corners.push([at(outline[0], 0.0), at(q, 0.0), at(*p, 0.0)]);
+            corners.push([
+                corner_at(outline[0], height),
+                corner_at(*p, height),
+                corner_at(q, height),
+            ]);
+            corners.push([corner_at(outline[0], 0.0), corner_at(q, 0.0), corner_at(*p, 0.0)]);
         }
     }
     corners

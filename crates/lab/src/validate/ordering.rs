@@ -20,9 +20,9 @@ const LEVELS: &str = include_str!("../../config/curves/levels.toml");
 /// Equal figures may differ by rounding.
 const ROUNDING: f64 = 1e-9;
 
-const KEYS: &str = "a file of orderings has schema, [scenes.NAME] (text, and level and curves = \
-                    \"levels\" where others than MAIS3+ count) and [[ordering]] (name, reason, \
-                    source, two of more, less and value, factor); more and less have scene, candidate, of \
+const KEYS: &str = "a file of orderings has schema, [scenes.NAME] (text, and level and curves \
+                    where others than MAIS3+ count) and [[ordering]] (name, reason, source, two \
+                    of more, less and value, factor); more and less have scene, candidate, of \
                     (risk, injured, delta-v, under, over), party and seat";
 
 #[derive(Deserialize)]
