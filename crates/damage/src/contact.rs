@@ -60,8 +60,8 @@ pub(crate) fn describe(
     let degrees = libm::atan2(left, along).to_degrees();
     // The nearest direction that supports are kept for.
     let n = ((degrees / 5.0).round() as isize).rem_euclid(HORIZONTAL as isize) as usize;
-    let of_patch = survey(approach).into_iter().filter(|stop| stop.patch);
-    let last_m = of_patch.last().map_or(0.0, |stop| stop.travel_m);
+    let stops = survey(approach);
+    let last_m = stops.iter().rfind(|stop| stop.patch).map_or(0.0, |stop| stop.travel_m);
     let reach = approach.reach(0.0, last_m);
     let middle = evidence.middle(UP, UP + 1, &reach);
     let level = plane.point_m - d[UP] * plane.point_m.dot(d[UP]);
