@@ -100,7 +100,7 @@ impl CandidateState {
         };
         let mut evidence = Evidence::none();
         // Contact may be so slight, or so brief, that no pose of the survey meets it.
-        let seen = Seen { patch: supports, zones_a, zones_b, ..Seen::NOTHING };
+        let seen = Seen { patch: supports, zones_a, zones_b };
         evidence.add_hits(witness.travel_m, &seen);
         for (number, (stop, surveyed)) in self.stops.iter().enumerate() {
             if let Some(surveyed) = surveyed {
