@@ -28,6 +28,8 @@ pub struct ContactPatch {
     pub long_face_of: Option<usize>,
     /// How A and B are met in height.
     pub rides: [Ride; 2],
+    /// Between which heights the outlines cross, above the origin of A.
+    pub outline_heights_m: [f64; 2],
     /// Length of the patch across the normal.
     pub width_m: Interval,
     /// Length upwards.
@@ -72,6 +74,7 @@ pub(crate) fn describe(
         centre_m: (level + d[UP] * middle).to_array().map(|x| x + 0.0),
         long_face_of,
         rides: plane.rides,
+        outline_heights_m: plane.height_m,
         width_m: evidence.span(across(n), opposite(across(n)), &reach),
         height_m: evidence.span(UP, UP + 1, &reach),
         span_m: evidence.span(n, opposite(n), &reach),

@@ -40,6 +40,9 @@ pub const DEPTH_MAX_M: f64 = 0.9;
 /// A sum of chords below this (m²) is no plane.
 const CHORD_MIN_M2: f64 = 1e-6;
 
+/// Bodies that overlap by more than this (m³) without a plane lie in each other: they do not graze.
+const INSIDE_M3: f64 = 0.005;
+
 /// The point of first contact belongs to an outline that it lies this near to (m): what outlines
 /// leave out, twice, and the closing of gaps.
 const BELONGS_M: f64 = 0.02;
@@ -71,7 +74,8 @@ pub enum PlaneOrigin {
     Graze,
     /// Only a weak part of a body is hit, as a mirror: it breaks off, without an impulse.
     WeakPart,
-    /// The point of contact belongs to no outline: across the direction of motion.
+    /// The point of contact belongs to no outline, or one body lies in the other: across the
+    /// direction of motion.
     Motion,
 }
 
@@ -266,11 +270,6 @@ impl Footprint {
         self.0.iter().filter(is_at).any(|slab| overlap::holds(&slab.rings, p, BELONGS_M))
     }
 
-    /// The least height.
-    fn base(&self) -> f64 {
-        self.0.iter().map(|slab| slab.height_m[0]).fold(f64::INFINITY, f64::min)
-    }
-
     /// Its length along a direction in plan (m).
     fn extent(&self, [x, y]: [f64; 2]) -> f64 {
         let along = self.0.iter().flat_map(|s| &s.rings).flatten().map(|p| p[0] * x + p[1] * y);
@@ -308,6 +307,8 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// What is summed over depths and bands.
 #[derive(Default)]
 struct Sum {
+    /// The mean volume of the overlap, over depths.
+    volume_m3: f64,
     chord: [f64; 2],
     weight: f64,
     arms: [[f64; 2]; 2],
@@ -321,6 +322,7 @@ struct Sum {
 
 impl Sum {
     fn add(&mut self, found: &Overlap, weight: f64, travel_m: f64, centres: [[f64; 2]; 2]) {
+        self.volume_m3 += weight * found.area_m2 / CHORDS as f64;
         let [x, y] = found.chord;
         if x <= 0.0 {
             return;
@@ -379,7 +381,12 @@ impl Plane {
         point: DVec3,
     ) -> Self {
         let axes = Axes::of(approach);
-        let depth_m = approach.extent_up_to(DEPTH_MAX_M);
+        // Of the outlines: a sheet of no thickness has one of its own there.
+        let along = [1.0, 0.0];
+        let depth_m = match [a.extent(along), b.extent(along)] {
+            [of_a, of_b] if of_a > 0.0 && of_b > 0.0 => DEPTH_MAX_M.min(of_a).min(of_b),
+            _ => approach.extent_up_to(DEPTH_MAX_M),
+        };
         let centres = parties.map(|party| axes.plan(party.centre_m));
         let mut sum = Sum::default();
         for slab_a in &a.0 {
@@ -422,7 +429,9 @@ impl Plane {
         if length < CHORD_MIN_M2 {
             let holds = [a.holds(at.0, at.1), b.holds(at.0, at.1)];
             let is_weak = |p: usize| !holds[p] && parties[p].has_weak_parts;
-            plane.origin = if is_weak(0) || is_weak(1) {
+            plane.origin = if sum.volume_m3 >= INSIDE_M3 {
+                PlaneOrigin::Motion
+            } else if is_weak(0) || is_weak(1) {
                 PlaneOrigin::WeakPart
             } else if holds == [true; 2] {
                 PlaneOrigin::Graze
@@ -444,7 +453,9 @@ impl Plane {
                 faces(&sum.struck, n, at.0, [a, b], (forwards, are_fixed))
             };
         }
-        plane.rides = [0, 1].map(|p| ride(&plane, &parties[p], [a, b][p].base()));
+        let down = crate::approach::UP + 1;
+        let bases = [&approach.supports_a, &approach.supports_b].map(|s| -s.0[down]);
+        plane.rides = [0, 1].map(|p| ride(&plane, &parties[p], bases[p]));
         plane
     }
 }

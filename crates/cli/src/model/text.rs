@@ -27,6 +27,12 @@ pub(super) fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> Stri
     let [x, y, z] = facts.centre_m;
     row("centre", &format!("{x:.3}, {y:.3}, {z:.3} m forward, left, up of the origin"));
     row("reaches", &reach(facts));
+    if let Some([length, width]) = facts.outline_m {
+        let front = facts
+            .front_height_m
+            .map_or(String::new(), |height| format!("; edge of the front at {height:.2} m"));
+        row("outline", &format!("{length:.2} by {width:.2} m without weak parts{front}"));
+    }
     row("aboard", &aboard(facts));
     for (at, part) in facts.parts.iter().take(PARTS_SHOWN).enumerate() {
         let name = if at == 0 { "parts" } else { "" };

@@ -7,6 +7,7 @@ use super::way::{Begin, Scenery};
 use super::{AssessedContact, Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
+use damage::plane::{PlaneOrigin, Ride};
 use damage::{
     AnswerState, ContactPatch, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
     RankedCandidates, Unevaluable,
@@ -325,6 +326,7 @@ fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> 
                 scenario.resolution_m * 1e3
             ));
         }
+        all.extend(contact.harm.contact.iter().flat_map(|patch| heights(patch, party)));
         if contact.may_be_other {
             let other = match contact.severity {
                 Severity::Light => "heavy, and end its path",
@@ -358,6 +360,23 @@ fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> Vec<String> 
     let long = lengths.filter(|length_m| *length_m > RUN_OUT_LONG_M);
     all.extend(long.map(|length_m| format!("its run-out of {length_m:.0} m is long")));
     all
+}
+
+/// What is said of a contact where only a weak part is hit, or one goes under or over the other.
+fn heights(patch: &ContactPatch, party: &str) -> Vec<String> {
+    let other = format!("\"{party}\"");
+    let goes = |who: &str, whom: &str, ride: Ride| match ride {
+        Ride::Level => None,
+        Ride::Under => Some(format!(
+            "{who} goes under {whom}: nothing below its bonnet meets it, and curves do not hold"
+        )),
+        Ride::Over => Some(format!("{who} goes over {whom}: it meets it below half its bonnet")),
+    };
+    let [ego, met] = patch.rides;
+    let weak = (patch.origin == PlaneOrigin::WeakPart)
+        .then(|| format!("only a weak part, as a mirror, meets {other}: no change of velocity"));
+    let rides = [goes("the ego", &other, ego), goes(&other, "the ego", met)];
+    weak.into_iter().chain(rides.into_iter().flatten()).collect()
 }
 
 fn row(

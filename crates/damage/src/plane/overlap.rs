@@ -27,6 +27,8 @@ pub(super) struct Overlap {
     pub(super) chord: [f64; 2],
     /// Its centroid (m), A's frame.
     pub(super) centre: [f64; 2],
+    /// Its area.
+    pub(super) area_m2: f64,
 }
 
 type Ring = [[f64; 2]];
@@ -355,6 +357,7 @@ impl Sums {
         Some(Overlap {
             chord: [0, 1].map(|k| 0.5 * (self.normals[0][k] - self.normals[1][k])),
             centre: [0, 1].map(|k| self.origin[k] + centre[k]),
+            area_m2: self.area.max(0.0),
         })
     }
 }

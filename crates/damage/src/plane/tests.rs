@@ -1,7 +1,7 @@
 //! The plane of a contact against what can be computed by hand, and its laws.
 
 use super::*;
-use crate::scene::{Prism, Scene, car, fixed, head_on};
+use crate::scene::{Prism, Scene, Touching, car, fixed, head_on};
 use body::{Band, BodyKind};
 use geometry::Directions;
 use proptest::prelude::*;
@@ -133,6 +133,40 @@ impl PlaneOrigin {
         let p = DVec3::new(0.6, 0.91, 0.9);
         if b.holds(axes.plan(p), axes.height(p)) { Self::Graze } else { Self::Motion }
     }
+}
+
+/// A wall of no thickness, as one quad of a mesh is: its outline has 2 mm, its extent nothing.
+#[test]
+fn a_sheet_stops_a_car() {
+    let centre = [3.0, 0.0];
+    let scene = into(Prism::cuboid(0.002, 20.0, centre, 0.0), BodyKind::Wall, centre);
+    let touching = scene.touching().expect("they meet");
+    let Touching { scene, mut approach, .. } = touching;
+    let at = scene.party_b.centre_m;
+    let sheet = Prism::cuboid(0.0, 20.0, [at.x, at.y], 0.0);
+    approach.supports_b = sheet.supports(&approach.directions);
+    assert!(approach.smaller_extent() < 1e-12);
+    let outlines = [scene.a.outlines(), scene.b.outlines()];
+    let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
+    let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
+    let plane = Plane::of(&approach, [&a, &b], fronts, DVec3::new(2.25, 0.0, 0.5));
+    assert_eq!(plane.origin, PlaneOrigin::Chord);
+    assert!((plane.normal - DVec3::X).length() < 1e-9);
+}
+
+/// A body inside another one does not graze it: it is stopped.
+#[test]
+fn who_lies_inside_is_not_let_through() {
+    let mut scene = head_on(0.0);
+    scene.b = Prism::cuboid(1.0, 0.8, [0.2, 0.1], 10.0);
+    scene.party_b = car(1, 900.0, [0.2, 0.1], 10.0);
+    let approach = scene.approach();
+    let outlines = [scene.a.outlines(), scene.b.outlines()];
+    let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
+    let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
+    let plane = Plane::of(&approach, [&a, &b], fronts, DVec3::new(0.2, 0.1, 0.5));
+    assert_eq!(plane.origin, PlaneOrigin::Motion);
+    assert!((plane.normal - approach.directions.d[0]).length() < 1e-9);
 }
 
 /// A body that lies on the road is struck at its height, not as if it stood.

@@ -54,6 +54,10 @@ pub struct Facts {
     pub yaw_inertia_kg_m2: Option<f64>,
     /// Where the mass comes from.
     pub mass_source: String,
+    /// Length and width of its outlines, without weak parts as mirrors (m).
+    pub outline_m: Option<[f64; 2]>,
+    /// Height of the leading edge of its front above the ground (m), if it has a front.
+    pub front_height_m: Option<f64>,
     /// Seats of its occupants, `None` for a person on foot. `None` if nothing was stated.
     pub occupants: Option<Vec<Option<Seat>>>,
     /// Triangles of the body.
@@ -167,6 +171,8 @@ impl Facts {
             centre_m: meta.centre_m,
             gyration_m: meta.gyration_m,
             mass_source: meta.mass_source,
+            outline_m: meta.outlines.size_m(),
+            front_height_m: meta.front_height_m,
             occupants: meta.occupants.map(|all| all.iter().map(|one| one.seat).collect()),
             triangles: body.corners.len(),
             duplicates_dropped: body.dropped.len(),
