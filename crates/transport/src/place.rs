@@ -104,9 +104,14 @@ impl Drop for Place {
     }
 }
 
-/// Removes a folder that nobody needs any more; nothing happens if it is not empty.
+/// Removes a folder of this user's that nobody needs any more; nothing happens if it is not empty,
+/// or another user's, which root could remove.
 pub(crate) fn remove_if_empty(folder: &Path) {
-    let _used_by_others = rustix::fs::rmdir(folder);
+    let is_own = fs::symlink_metadata(folder)
+        .is_ok_and(|found| found.uid() == rustix::process::geteuid().as_raw());
+    if is_own {
+        let _used_by_others = rustix::fs::rmdir(folder);
+    }
 }
 
 /// Makes the folder under another name, locks it, and only then gives it its name: under that, no

@@ -23,8 +23,10 @@ use trolley::{Failure, FailureKind};
 /// The first of so many user ids that neither useradd nor systemd gives away.
 const STRANGERS: u32 = 60_000;
 const STRANGERS_MAX: u32 = 1_000;
-/// How long a refusal, or an answer, may take (ms).
+/// How long an answer may take (ms).
 const PATIENCE_MS: u64 = 1_000;
+/// How long a start may take until it is refused (ms): bodies are read and outlined before.
+const START_MS: u64 = 5_000;
 /// Exit code of what cannot be trusted.
 const UNTRUSTED: Exit = Exit::Code(78);
 /// Exit code of a client that finds no service.
@@ -154,7 +156,7 @@ pub(super) fn strike(
     let plant = Plant::ALL[rng.below(Plant::ALL.len() as u64) as usize];
     if plant.make(&folder, &precious, stranger)? {
         serving.start()?;
-        let ended = serving.await_end(PATIENCE_MS)?;
+        let ended = serving.await_end(START_MS)?;
         report.hangs += u64::from(ended.is_none());
         note(ended.is_none() || ended == Some(UNTRUSTED), report);
         let told = serving.ask(PATIENCE_MS)?.told(reference)?;
