@@ -109,8 +109,8 @@ fn bounds_of_a_late_answer_hold_the_finished_one() {
         for row in &late.ranking {
             let complete = whole.ranking.iter().find(|whole| whole.name == row.name).unwrap();
             assert!(row.work.holds(complete.work), "{due_ms} ms: {} {row:#?}", row.name);
-            // Contacts that are named are those of the finished work, in its order. One whose survey
-            // is open may still turn out to be a light touch before the crash.
+            // Contacts that are named are those of the finished work, in its order. One whose
+            // survey is open may still turn out to be a light touch before the crash.
             for (now, then) in row.contacts.iter().zip(&complete.contacts) {
                 let touches = [now.first_touch_s, then.first_touch_s];
                 assert_eq!(now.party, then.party, "{due_ms} ms");
