@@ -129,12 +129,10 @@ impl Impact {
             let s = if way < 0.0 { -1.0 } else { 1.0 };
             let n = wanted / (k_nn + s * mu * k_nt).max(COMPLIANCE_MIN * k_nn);
             let t = s * mu * n;
-            // Sliding ends before the impact does.
-            if s * (v_t - k_nt * n - k_tt * t) < 0.0 && j_n > 0.0 {
-                slides = false;
-            } else {
+            // Else sliding ends before the impact does.
+            slides = j_n <= 0.0 || s * (v_t - k_nt * n - k_tt * t) >= 0.0;
+            if slides {
                 (j_n, j_t) = (n, t);
-                slides = true;
             }
         }
         let most = (1.0 + e) * (v_n * v_n + v_t * v_t).sqrt() / inverse;

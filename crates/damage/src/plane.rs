@@ -18,15 +18,21 @@
 use crate::approach::Approach;
 use crate::dynamics::of_turning;
 use crate::party::CollisionParty;
-use body::Outlines;
-use geometry::{DVec3, RelativePose};
+use face::faces;
+use footprint::Axes;
+use geometry::DVec3;
 use overlap::{Facing, Overlap};
 use serde::Serialize;
 use smallvec::SmallVec;
 
+mod face;
+mod footprint;
 mod overlap;
 #[cfg(test)]
 mod tests;
+
+pub use face::LongFace;
+pub use footprint::{Footprint, PlacedBand};
 
 /// Number of depths at which the bodies are intersected.
 pub const DEPTHS: usize = 6;
@@ -42,26 +48,6 @@ const CHORD_MIN_M2: f64 = 1e-6;
 
 /// Bodies that overlap by more than this (m³) without a plane lie in each other: they do not graze.
 const INSIDE_M3: f64 = 0.005;
-
-/// The point of first contact belongs to an outline that it lies this near to (m): what outlines
-/// leave out, twice, and the closing of gaps.
-const BELONGS_M: f64 = 0.02;
-
-/// A face is the plane's, if it is turned from it by at most this cosine (8°).
-const PARALLEL: f64 = 0.990_268;
-
-/// A long face is at least this share of the length of who hits it: the front of another car is
-/// not.
-const LONG_SHARE: f64 = 0.6;
-
-/// ... and at least so long (m): a door or a bumper turns nobody, however short who hits it is.
-const LONG_M: f64 = 2.5;
-
-/// A flat face of a fixed object is at least so long (m): a pole has none.
-const FLAT_M: f64 = 1.0;
-
-/// The face of a barrier reaches this share of the length of who hits it beyond the contact.
-const REACH_SHARE: f64 = 1.0 / 3.0;
 
 /// What makes the plane of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -90,13 +76,6 @@ pub enum Ride {
     Under,
     /// Only what lies below half of that is met: it goes over the other.
     Over,
-}
-
-/// A long flat face that is struck: who strikes it is turned along it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct LongFace {
-    /// The party that it belongs to: 0 for A, 1 for B.
-    pub of: usize,
 }
 
 /// The plane of a contact. Everything is in A's frame; lengths are metres.
@@ -149,159 +128,6 @@ impl Front {
             is_fixed: party.mass_kg.is_none(),
         }
     }
-}
-
-/// The outline of a body between two heights, where it stands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlacedBand {
-    /// Heights along the vertical of A's frame (m).
-    pub height_m: [f64; 2],
-    /// Rings in plan, along u and to its left (m), counter-clockwise.
-    pub rings: Vec<Vec<[f64; 2]>>,
-    /// Their box.
-    bounds: [[f64; 2]; 2],
-}
-
-/// The outlines of a body where it stands, in plan along u.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Footprint(Vec<PlacedBand>);
-
-/// Axes of the plan: along u, to its left, and upwards.
-#[derive(Clone, Copy, Debug)]
-struct Axes([DVec3; 3]);
-
-impl Axes {
-    fn of(approach: &Approach) -> Self {
-        let d = &approach.directions.d;
-        let (u, up) = (d[0], d[crate::approach::UP]);
-        Self([u, up.cross(u), up])
-    }
-
-    fn plan(&self, p: DVec3) -> [f64; 2] {
-        [p.dot(self.0[0]), p.dot(self.0[1])]
-    }
-
-    fn height(&self, p: DVec3) -> f64 {
-        p.dot(self.0[2])
-    }
-
-    fn vector(&self, [x, y]: [f64; 2]) -> DVec3 {
-        self.0[0] * x + self.0[1] * y
-    }
-}
-
-fn bounds(rings: &[Vec<[f64; 2]>]) -> [[f64; 2]; 2] {
-    let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for p in rings.iter().flatten() {
-        for axis in 0..2 {
-            bounds[0][axis] = bounds[0][axis].min(p[axis]);
-            bounds[1][axis] = bounds[1][axis].max(p[axis]);
-        }
-    }
-    bounds
-}
-
-impl PlacedBand {
-    fn new(height_m: [f64; 2], rings: Vec<Vec<[f64; 2]>>) -> Self {
-        let bounds = bounds(&rings);
-        Self { height_m, rings, bounds }
-    }
-
-    fn shared_height(&self, other: &Self) -> f64 {
-        self.height_m[1].min(other.height_m[1]) - self.height_m[0].max(other.height_m[0])
-    }
-}
-
-impl Footprint {
-    /// The outlines of a body at a pose in A's frame; `None`: it is A.
-    ///
-    /// A body that does not stand upright, as one that lies on the road, is taken by the convex
-    /// hulls of its bands.
-    #[must_use]
-    pub fn of(outlines: &Outlines, pose: Option<&RelativePose>, approach: &Approach) -> Self {
-        /// A body that leans less stands upright: by then its roof is 5 cm away.
-        const UPRIGHT: f64 = 0.999_39;
-        let axes = Axes::of(approach);
-        let placed = |x: f64, y: f64, z: f64| match pose {
-            None => DVec3::new(x, y, z),
-            Some(pose) => {
-                let r = &pose.rotation;
-                let row =
-                    |i: usize| ((r[i][0] * x + r[i][1] * y) + r[i][2] * z) + pose.translation[i];
-                DVec3::new(row(0), row(1), row(2))
-            }
-        };
-        let vertical = placed(0.0, 0.0, 1.0) - placed(0.0, 0.0, 0.0);
-        let is_upright = axes.height(vertical) >= UPRIGHT;
-        let slab = |band: &body::Band| {
-            let [low, high] = band.height_m;
-            if is_upright {
-                let middle = 0.5 * (low + high);
-                let point = |p: &[f64; 2]| axes.plan(placed(p[0], p[1], middle));
-                let height = |z: f64| axes.height(placed(0.0, 0.0, z));
-                let rings =
-                    band.rings.iter().map(|ring| ring.iter().map(point).collect()).collect();
-                return PlacedBand::new([height(low), height(high)], rings);
-            }
-            let ends = || [low, high].into_iter();
-            let corners: Vec<DVec3> = (band.rings.iter().flatten())
-                .flat_map(|p| ends().map(|z| placed(p[0], p[1], z)))
-                .collect();
-            let heights = corners.iter().map(|p| axes.height(*p));
-            let height_m = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| {
-                [low.min(z), high.max(z)]
-            });
-            PlacedBand::new(height_m, vec![hull(corners.iter().map(|p| axes.plan(*p)).collect())])
-        };
-        Self(outlines.bands.iter().map(slab).collect())
-    }
-
-    /// Its slabs, by ascending height where it stands upright.
-    #[must_use]
-    pub fn slabs(&self) -> &[PlacedBand] {
-        &self.0
-    }
-
-    /// Whether a point (plan and height) belongs to an outline or its near surroundings.
-    fn holds(&self, p: [f64; 2], height: f64) -> bool {
-        let is_at = |slab: &&PlacedBand| {
-            slab.height_m[0] - BELONGS_M <= height && height <= slab.height_m[1] + BELONGS_M
-        };
-        self.0.iter().filter(is_at).any(|slab| overlap::holds(&slab.rings, p, BELONGS_M))
-    }
-
-    /// Its length along a direction in plan (m).
-    fn extent(&self, [x, y]: [f64; 2]) -> f64 {
-        let along = self.0.iter().flat_map(|s| &s.rings).flatten().map(|p| p[0] * x + p[1] * y);
-        let ends = along
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)]);
-        (ends[1] - ends[0]).max(0.0)
-    }
-}
-
-/// The convex hull of points, counter-clockwise (Andrew 1979).
-fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    points.dedup();
-    let turn = |a: [f64; 2], b: [f64; 2], p: [f64; 2]| {
-        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
-    };
-    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for p in points {
-            // Each turn removes a point.
-            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = chain(&mut points.iter().copied());
-    hull.extend(chain(&mut points.iter().rev().copied()));
-    hull
 }
 
 /// What is summed over depths and bands.
@@ -389,8 +215,8 @@ impl Plane {
         };
         let centres = parties.map(|party| axes.plan(party.centre_m));
         let mut sum = Sum::default();
-        for slab_a in &a.0 {
-            for slab_b in &b.0 {
+        for slab_a in a.slabs() {
+            for slab_b in b.slabs() {
                 let shared = slab_a.shared_height(slab_b);
                 if !(shared > 0.0) {
                     continue;
@@ -470,57 +296,4 @@ fn ride(plane: &Plane, party: &Front, base: f64) -> Ride {
         }
         _ => Ride::Level,
     }
-}
-
-/// Long flat faces in the plane, where A slides to the left of the normal and where it slides to
-/// its right; and whether any flat face is struck.
-fn faces(
-    struck: &[SmallVec<[overlap::Struck; 16]>; 2],
-    n: [f64; 2],
-    at: [f64; 2],
-    footprints: [&Footprint; 2],
-    (forwards, are_fixed): ([[f64; 2]; 2], [bool; 2]),
-) -> ([Option<LongFace>; 2], bool) {
-    let left = [-n[1], n[0]];
-    let along = |p: [f64; 2]| (p[0] - at[0]) * left[0] + (p[1] - at[1]) * left[1];
-    let mut best: [Option<(f64, LongFace)>; 2] = [None; 2];
-    let mut is_flat = false;
-    for (of, struck) in struck.iter().enumerate() {
-        // Outward of A is along the normal, outward of B against it.
-        let outward = if of == 0 { 1.0 } else { -1.0 };
-        let striker = 1 - of;
-        let length = footprints[striker].extent(forwards[striker]);
-        let of_face = |edge: &overlap::Struck| {
-            let ([px, py], [qx, qy]) = (edge.ends[0], edge.ends[1]);
-            let size = ((qx - px) * (qx - px) + (qy - py) * (qy - py)).sqrt();
-            let normal = [(qy - py) / size * outward, -(qx - px) / size * outward];
-            (normal[0] * n[0] + normal[1] * n[1] >= PARALLEL).then_some(size)
-        };
-        let all: f64 = struck.iter().map(|edge| edge.length).sum();
-        let parallel = struck.iter().filter(|edge| of_face(edge).is_some());
-        // Most of what is struck of this body is the face.
-        if parallel.map(|edge| edge.length).sum::<f64>() < 0.5 * all {
-            continue;
-        }
-        for edge in struck {
-            let Some(size) = of_face(edge) else { continue };
-            is_flat |= are_fixed[of] && size >= FLAT_M.max(REACH_SHARE * length);
-            if size < LONG_M.max(LONG_SHARE * length) {
-                continue;
-            }
-            let ends = [along(edge.ends[0]), along(edge.ends[1])];
-            // Where A slides to the left along B, B slides to the right along A.
-            let mut reaches = [ends[0].max(ends[1]), -ends[0].min(ends[1])];
-            if of == 0 {
-                reaches.swap(0, 1);
-            }
-            for (side, reach) in reaches.into_iter().enumerate() {
-                let is_long = reach >= REACH_SHARE * length;
-                if is_long && best[side].is_none_or(|(most, _)| reach > most) {
-                    best[side] = Some((reach, LongFace { of }));
-                }
-            }
-        }
-    }
-    (best.map(|best| best.map(|(_, face)| face)), is_flat)
 }

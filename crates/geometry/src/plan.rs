@@ -108,6 +108,43 @@ impl ConvexOutline {
     }
 }
 
+/// The convex hull of points, counter-clockwise, without points on its sides (A. M. Andrew 1979).
+/// `points` ascend along x, then y, none twice; `turns_left` says whether the third lies to the
+/// left of the way from the first to the second.
+pub fn hull<P: Copy>(points: &[P], turns_left: impl Fn(P, P, P) -> bool) -> Vec<P> {
+    let chain = |points: &mut dyn Iterator<Item = &P>| {
+        let mut chain: Vec<P> = Vec::new();
+        for &p in points {
+            // Each turn removes a point.
+            while let [.., a, b] = chain[..]
+                && !turns_left(a, b, p)
+            {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = chain(&mut points.iter());
+    hull.extend(chain(&mut points.iter().rev()));
+    hull
+}
+
+/// [`hull`] of points in any order (m).
+#[must_use]
+pub fn hull_of(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    hull(&points, |a, b, p| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0.0)
+}
+
+/// The distance of a point from a segment (m).
+#[must_use]
+pub fn distance_m(point: [f64; 2], segment: [[f64; 2]; 2]) -> f64 {
+    square_to_edge(point, segment).sqrt()
+}
+
 /// The square of the distance of a point from a segment (m²).
 fn square_to_edge(point: [f64; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
     let (d, w) = ([q[0] - p[0], q[1] - p[1]], [point[0] - p[0], point[1] - p[1]]);
@@ -140,6 +177,23 @@ mod tests {
         assert!((car.distance_m(&corner) - 5.0_f64.sqrt()).abs() < 1e-9);
         assert_eq!(car.distance_m(&car.moved([3.9, 1.9])), 0.0);
         assert_eq!(car.distance_m(&cuboid(0.1, 0.1)), 0.0, "one inside the other");
+    }
+
+    #[test]
+    fn a_hull_holds_all_points_and_has_no_corner_on_a_side() {
+        let grid = (0..25).map(|i| [f64::from(i % 5), f64::from(i / 5)]).collect();
+        assert_eq!(hull_of(grid), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        let mut rng = Rng::new(3);
+        for _ in 0..50 {
+            let points: Vec<[f64; 2]> =
+                (0..20).map(|_| [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0)]).collect();
+            let hull = hull_of(points.clone());
+            for (a, b) in hull.iter().zip(hull.iter().cycle().skip(1)) {
+                let off =
+                    |p: &[f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+                assert!(points.iter().all(|p| off(p) >= -1e-15), "{hull:?}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Regions of the plane in whole numbers, so that unions are exact and the same on all machines.
 
 use super::Ring;
+use geometry::plan;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -124,27 +125,11 @@ impl Region {
         self.with(&closed, OverlayRule::Union)
     }
 
-    /// Its convex hull (Andrew 1979).
     fn hull(&self) -> Self {
         let mut points: Vec<Point> = self.contours.iter().flatten().copied().collect();
         points.sort_by_key(|p| (p.x, p.y));
         points.dedup();
-        let chain = |points: &mut dyn Iterator<Item = Point>| {
-            let mut chain: Vec<Point> = Vec::new();
-            for p in points {
-                while let [.., a, b] = chain[..] {
-                    if turn(a, b, p) > 0 {
-                        break;
-                    }
-                    chain.pop();
-                }
-                chain.push(p);
-            }
-            chain.pop();
-            chain
-        };
-        let mut hull = chain(&mut points.iter().copied());
-        hull.extend(chain(&mut points.iter().rev().copied()));
+        let hull = plan::hull(&points, |a, b, p| turn(a, b, p) > 0);
         Self { contours: if hull.len() < 3 { Vec::new() } else { vec![hull] } }
     }
 
@@ -245,7 +230,7 @@ fn simplified(ring: &[[f64; 2]], tolerance_m: f64) -> Ring {
     let mut open = vec![(0, middle), (middle, n)];
     // Each turn keeps one more point or closes one piece.
     while let Some((from, to)) = open.pop() {
-        let far = |k: usize| distance(turned[k], turned[from], turned[to]);
+        let far = |k: usize| plan::distance_m(turned[k], [turned[from], turned[to]]);
         let furthest = (from + 1..to).max_by(|a, b| far(*a).total_cmp(&far(*b)));
         if let Some(k) = furthest.filter(|k| far(*k) > tolerance_m) {
             keep[k] = true;
@@ -253,14 +238,4 @@ fn simplified(ring: &[[f64; 2]], tolerance_m: f64) -> Ring {
         }
     }
     turned.iter().zip(&keep).take(n).filter(|(_, keep)| **keep).map(|(point, _)| *point).collect()
-}
-
-/// Distance of a point from a segment.
-fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (d, w) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let length_2 = d[0] * d[0] + d[1] * d[1];
-    let along = if length_2 > 0.0 { (w[0] * d[0] + w[1] * d[1]) / length_2 } else { 0.0 };
-    let along = along.clamp(0.0, 1.0);
-    let off = [w[0] - along * d[0], w[1] - along * d[1]];
-    (off[0] * off[0] + off[1] * off[1]).sqrt()
 }

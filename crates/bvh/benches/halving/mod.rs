@@ -5,6 +5,7 @@
 
 use super::encounter::Encounter;
 use body::BodyView;
+use geometry::plan::hull_of;
 use geometry::{Corners, DVec3, RelativePose};
 use std::ops::ControlFlow;
 use trolley_bvh::{Counters, Kernel, NodePair, Question, Side, Sink, Task};
@@ -30,8 +31,10 @@ pub(crate) enum Grid {
 /// Travels of the grid (m).
 pub(crate) fn grid(encounter: &Encounter, [a, b]: [&[Corners]; 2]) -> Vec<f64> {
     let stored = |corner: &[f32; 3]| DVec3::from_array(corner.map(f64::from));
-    let hull_a = hull(a.as_flattened().iter().map(stored));
-    let hull_b = hull(b.as_flattened().iter().map(|corner| encounter.pose.point(*corner)));
+    let in_plan = |p: DVec3| [p.x, p.y];
+    let hull_a = hull_of(a.as_flattened().iter().map(|p| in_plan(stored(p))).collect());
+    let posed = b.as_flattened().iter().map(|corner| encounter.pose.point(*corner));
+    let hull_b = hull_of(posed.map(in_plan).collect());
     let [entry, exit] = meeting(&hull_a, &hull_b, encounter.direction);
     if entry > exit {
         // They pass: the search was left out then. Here all of the passing is looked at.
@@ -91,31 +94,6 @@ impl Sink for Deaf {
     fn beat(&mut self, _: u64) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-}
-
-/// The convex hull in plan view, counter-clockwise (A. Andrew's monotone chain).
-fn hull(points: impl Iterator<Item = DVec3>) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = points.map(|p| [p.x, p.y]).collect();
-    points.sort_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
-    points.dedup();
-    let turns = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-    };
-    let half = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for &p in points {
-            while chain.len() > 1 && turns(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = half(&mut points.iter());
-    hull.extend(half(&mut points.iter().rev()));
-    hull
 }
 
 /// Between which travels two convex polygons overlap; descending if they never do.

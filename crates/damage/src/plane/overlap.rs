@@ -1,6 +1,7 @@
 //! The overlap of two outlines in plan: its chord, its centre, and the edges that bound it.
 
-use super::PlacedBand;
+use super::footprint::PlacedBand;
+use geometry::plan::distance_m;
 use smallvec::SmallVec;
 
 /// Edges nearer than this (m) coincide.
@@ -72,7 +73,7 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// Whether a point lies in rings or within a distance of them (m).
 pub(super) fn holds(rings: &[Vec<[f64; 2]>], p: [f64; 2], near_m: f64) -> bool {
     rings.iter().any(|ring| winds(ring, p))
-        || edges(rings).any(|(_, [a, b])| distance(p, a, b) <= near_m)
+        || edges(rings).any(|(_, edge)| distance_m(p, edge) <= near_m)
 }
 
 /// Even-odd test.
@@ -86,15 +87,6 @@ fn winds(ring: &Ring, p: [f64; 2]) -> bool {
         }
     }
     is_in
-}
-
-/// Distance of a point from a segment.
-fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (d, w) = (sub(b, a), sub(p, a));
-    let square = dot(d, d);
-    let along = if square > 0.0 { (dot(w, d) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let off = [w[0] - along * d[0], w[1] - along * d[1]];
-    dot(off, off).sqrt()
 }
 
 /// An edge that may take part in an overlap.
@@ -145,7 +137,7 @@ impl Side<'_> {
             }
             let [a, b] = edge.ends;
             let is_near = edge.low[0] - SAME_M <= middle[0] && middle[0] <= edge.high[0] + SAME_M;
-            if is_near && distance(middle, a, b) <= SAME_M {
+            if is_near && distance_m(middle, edge.ends) <= SAME_M {
                 let other = sub(b, a);
                 let (along, across) = (dot(way, other), cross(way, other));
                 // Edges that only cross here are no coincidence.
@@ -189,7 +181,7 @@ impl Side<'_> {
                 // Parallel edges may coincide in part.
                 for end in [a, b] {
                     let s = dot(sub(end, p), d) / square;
-                    if s > 0.0 && s < 1.0 && distance(end, p, q) <= SAME_M {
+                    if s > 0.0 && s < 1.0 && distance_m(end, edge.ends) <= SAME_M {
                         cuts.push(s);
                     }
                 }

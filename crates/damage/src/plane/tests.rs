@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::scene::{Prism, Scene, Touching, car, fixed, head_on};
-use body::{Band, BodyKind};
-use geometry::Directions;
+use body::{Band, BodyKind, Outlines};
+use geometry::{Directions, RelativePose};
 use proptest::prelude::*;
 
 /// A car at 15 m/s along x into something fixed.
