@@ -85,8 +85,8 @@
 //! - Merging evidence twice, or in another order, changes nothing: `evidence/tests.rs`.
 //! - The plane is the same, turned round, when the bodies are exchanged: `plane/tests.rs`.
 //! - Harm never falls when speed or the partner's mass rises: `assess/tests.rs`.
-//! - A policy changes the order, never a figure: `rank/tests.rs`.
-//! - Candidates that can still win are never left out: `rank/tests.rs`.
+//! - A policy changes the order, never a figure: `rank/tests/laws.rs`.
+//! - Candidates that can still win are never left out: `rank/tests/laws.rs`.
 //!
 //! Not modelled: rollover, falls, fire, ejection, contacts between others. Risks are statistics of
 //! populations, not predictions for individuals.

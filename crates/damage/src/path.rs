@@ -1,9 +1,9 @@
 //! The depths at which the bodies are intersected from first contact on.
 //!
 //! D(k+½)/6, k = 0…5, beyond first contact along the relative velocity, without turning. As for the
-//! plane of the contact ([`crate::plane`]) D is at most [`DEPTH_MAX_M`] and no more than either body
-//! measures, but here with mirrors and all, of which outlines know nothing. The union of the hit
-//! sets there says which zones and parts are engaged, and how far the patch reaches.
+//! plane of the contact ([`crate::plane`]) D is at most [`DEPTH_MAX_M`] and no more than either
+//! body measures, but here with mirrors and all, of which outlines know nothing. The union of the
+//! hit sets there says which zones and parts are engaged, and how far the patch reaches.
 
 use crate::approach::Approach;
 use crate::plane::{DEPTH_MAX_M, DEPTHS};

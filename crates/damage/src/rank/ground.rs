@@ -1,6 +1,64 @@
-//! What put one candidate before the next, as one sentence for people.
+//! What put one candidate before the next, and as one sentence for people.
 
-use super::{Ground, Measure, Rule, TieBreak};
+use super::{RankOrder, TieBreak};
+use crate::party::PersonId;
+use crate::policy::Step;
+use crate::rule::{Measure, Rule};
+use serde::Serialize;
+
+/// What put one candidate before the next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ground {
+    /// A step of the policy kept the first and not the second.
+    Least {
+        /// Number of the step, from 0.
+        step: usize,
+        /// The measure that is lower for the first.
+        measure: Measure,
+        /// Its value for the first.
+        first: f64,
+        /// Its value for the second.
+        second: f64,
+        /// The tolerance: how far from the least still counts as least.
+        tolerance: f64,
+        /// In a weighted sum: the rule that separates them most.
+        rule: Option<Rule>,
+        /// The person whose risks differ most between the two; `None` for property damage.
+        person: Option<PersonId>,
+    },
+    /// In the second, the upper end of someone's model range exceeds the accepted risk.
+    Accept {
+        /// Number of the step, from 0.
+        step: usize,
+        /// R_acc.
+        at_most: f64,
+        /// The greatest upper end in the first.
+        first: f64,
+        /// The greatest upper end in the second.
+        second: f64,
+    },
+    /// No candidate is acceptable, and the policy then falls back on the first.
+    FallBack {
+        /// Number of the step, from 0.
+        step: usize,
+        /// R_acc.
+        at_most: f64,
+        /// The greatest upper end in the first.
+        first: f64,
+        /// The greatest upper end in the second.
+        second: f64,
+    },
+    /// The policy holds both equal; the declared tie-break decided.
+    TieBreak {
+        /// By what.
+        by: TieBreak,
+        /// Its value for the first (place in the request, or in the policy's list).
+        first: f64,
+        /// Its value for the second.
+        second: f64,
+    },
+}
 
 impl Ground {
     /// The reason as one sentence for people, with the names of both candidates.
@@ -49,6 +107,62 @@ impl Ground {
                  upper end of the model range ({a:.5} against {b:.5})"
             ),
         }
+    }
+}
+
+impl RankOrder<'_> {
+    /// Why `k` came before `l`, which fell out at a step, or at none.
+    pub(super) fn ground(&self, k: usize, l: usize, fell: Option<usize>) -> Ground {
+        match fell.map(|step| (step, &self.steps[step])) {
+            Some((step, Step::Accept { at_most, .. })) => {
+                let [first, second] = [k, l].map(|k| self.figures[k].greatest_high());
+                let at_most = *at_most;
+                if self.is_acceptable(k, at_most) {
+                    Ground::Accept { step, at_most, first, second }
+                } else {
+                    Ground::FallBack { step, at_most, first, second }
+                }
+            }
+            Some((step, Step::Least { measure, tolerance })) => Ground::Least {
+                step,
+                measure: measure.clone(),
+                first: self.value(measure, k),
+                second: self.value(measure, l),
+                tolerance: *tolerance,
+                rule: self.separating_rule(measure, k, l),
+                person: match measure {
+                    Measure::Energy => None,
+                    _ => self.separating_person(k, l),
+                },
+            },
+            None => {
+                let differs = |t: &&TieBreak| {
+                    self.tie_value(**t, k).total_cmp(&self.tie_value(**t, l)).is_ne()
+                };
+                let by = self.policy.tie_break.iter().find(differs);
+                let by = by.copied().unwrap_or(TieBreak::Request);
+                Ground::TieBreak { by, first: self.tie_value(by, k), second: self.tie_value(by, l) }
+            }
+        }
+    }
+
+    /// The rule of a weighted sum that puts `k` furthest before `l`.
+    fn separating_rule(&self, measure: &Measure, k: usize, l: usize) -> Option<Rule> {
+        let Measure::Weighted(terms) = measure else { return None };
+        let gain = |rule: Rule, weight: f64| {
+            let one = Measure::Rule(rule);
+            weight * (self.value(&one, l) - self.value(&one, k))
+        };
+        let gains = terms.iter().map(|t| (gain(t.rule, t.weight), t.rule));
+        gains.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, rule)| rule)
+    }
+
+    /// The person whose risks in `k` and `l` differ most; the first of several.
+    fn separating_person(&self, k: usize, l: usize) -> Option<PersonId> {
+        let (ours, theirs) = (&self.figures[k].risks, &self.figures[l].risks);
+        let differences = ours.iter().zip(theirs).map(|(a, b)| (a.hi() - b.hi()).abs());
+        let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
+        differences.enumerate().max_by(by_size).map(|(i, _)| PersonId(i))
     }
 }
 
