@@ -27,11 +27,12 @@ pub struct ContactChain {
     pub long_face_of: Option<usize>,
     /// How both are met in height.
     pub rides: [Ride; 2],
-    /// Closing speed (m/s).
+    /// Closing speed of the centres of mass (m/s).
     pub closing_m_s: f64,
     /// Angle of the contact normal from the closing direction (degrees, left positive).
     pub normal_degrees: Option<f64>,
-    /// v_n: closing speed along the normal (m/s).
+    /// v_n: closing speed along the normal at the point of contact (m/s). Where bodies turn it may
+    /// be above that of the centres.
     pub normal_m_s: f64,
     /// v_t: sliding speed across it (m/s), positive to the left of the normal.
     pub tangential_m_s: f64,

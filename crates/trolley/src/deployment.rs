@@ -3,16 +3,13 @@
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
 use crate::scenario::check_models;
+use crate::texts::{self, Part};
 use crate::{Failure, Scenario};
-use damage::injury::DEFAULT_CURVES;
-use damage::parameters::DEFAULT_PARAMETERS;
-use damage::policy::DEFAULT_POLICY;
-use damage::{Criteria, Curves, Parameters, Policy};
+use damage::Criteria;
 use protocol::public::Ask;
 use scenario::Source;
 use service::{Deployment, Model};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// A deployment file that was read; its paths are relative to it.
 ///
@@ -128,39 +125,15 @@ impl OpenDeployment {
     /// If a file cannot be read, leads out of the folder or is not valid, or the curves lack the
     /// policy's outcome.
     pub fn criteria(&self) -> Result<Criteria, Failure> {
-        let or_shipped = |path: &Option<PathBuf>, (key, kind), name: &str, shipped: &str| match path
-        {
-            None => Ok((name.to_owned(), shipped.to_owned())),
-            Some(path) => {
-                let path = self.checked(key, path)?;
-                Ok::<_, Failure>((path.display().to_string(), files::text(&path, kind)?))
-            }
+        let read = |part: &Part, path: &Option<PathBuf>| match path {
+            None => Ok(part.shipped()),
+            Some(path) => part.read(&self.checked(part.key, path)?),
         };
         let Deployment { policy, curves, parameters, .. } = &self.deployment;
-        let (name, policy) = or_shipped(
-            policy,
-            ("policy", InputKind::Policy),
-            "config/policies/default.toml",
-            DEFAULT_POLICY,
-        )?;
-        let policy = Policy::parse(&name, &policy)?;
-        let (name, curves) = or_shipped(
-            curves,
-            ("curves", InputKind::Curves),
-            "config/curves/default.toml",
-            DEFAULT_CURVES,
-        )?;
-        let curves = Curves::parse(&name, &curves)?;
-        curves.covers(policy.outcome).map_err(|missing| Failure::input(missing.to_string()))?;
-        let (name, parameters) = or_shipped(
-            parameters,
-            ("parameters", InputKind::Parameters),
-            "config/parameters/default.toml",
-            DEFAULT_PARAMETERS,
-        )?;
-        let parameters = Parameters::parse(&name, &parameters)?;
-        let (policy, curves) = (Arc::new(policy), Arc::new(curves));
-        Ok(Criteria { policy, curves, parameters: Arc::new(parameters) })
+        let policy = read(&texts::POLICY, policy)?;
+        let curves = read(&texts::CURVES, curves)?;
+        let parameters = read(&texts::PARAMETERS, parameters)?;
+        texts::criteria([&policy, &curves, &parameters])
     }
 
     /// Makes the request that asks the service to rank a scenario, with the ids of the deployment's

@@ -10,7 +10,7 @@
 use crate::Failure;
 use crate::bodies::{Bodies, OnProgress};
 use crate::run::{Run, milliseconds};
-use crate::scenario::{SourceText, Texts};
+use crate::texts::{SourceText, Texts};
 use coordinator::{Backend, CourseHistory, WorkerPool};
 use dispatch::LogEntry;
 use runtime::{affinity, clock};

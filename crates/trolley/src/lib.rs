@@ -171,6 +171,7 @@ mod references;
 pub mod run;
 mod scenario;
 mod serve;
+mod texts;
 pub mod traffic;
 mod worker;
 
@@ -457,7 +458,7 @@ pub use run::Run;
 /// assert_eq!(Box::new(1), 1.into());
 /// ```
 pub use runtime::heap::Counting as CountingAllocator;
-pub use scenario::{Scenario, SourceText, Texts, read_text};
+pub use scenario::Scenario;
 pub use serve::{Greeting, ServeOptions, serve, supervise};
 
 /// What the service does between requests.
@@ -469,6 +470,7 @@ pub use serve::{Greeting, ServeOptions, serve, supervise};
 /// assert_eq!(Idle::default(), Idle::Park);
 /// ```
 pub use service::Idle;
+pub use texts::{SourceText, Texts, read_text};
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// Name of this build: its version, and a hash of its sources. Both ends of every channel carry it,

@@ -20,11 +20,9 @@
 use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
 use crate::references::{References, beside};
+use crate::texts::{self, Part, SourceText, Texts, read_text};
 use crate::{Failure, FailureKind};
-use damage::injury::DEFAULT_CURVES;
-use damage::parameters::DEFAULT_PARAMETERS;
-use damage::policy::DEFAULT_POLICY;
-use damage::{Criteria, Curves, Parameters, Policy};
+use damage::{Criteria, Curves, Policy};
 use scenario::{FileRef, ScenarioDraft, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,53 +31,6 @@ use std::sync::Arc;
 const DEMO: &str = include_str!("../config/scenarios/demo.toml");
 /// Its name.
 const DEMO_NAME: &str = "config/scenarios/demo.toml";
-
-/// A text and its name in messages.
-///
-/// ```
-/// use trolley::{SourceText, read_text};
-///
-/// let name = "../../config/policies/default.toml";
-/// let policy = SourceText { name: name.to_owned(), text: read_text(name.as_ref())? };
-/// assert!(policy.text.contains("composition"));
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SourceText {
-    /// Where it comes from, usually a path.
-    pub name: String,
-    /// The text.
-    pub text: String,
-}
-
-/// The texts of a request, but for the paths that the scenario names.
-///
-/// ```
-/// use trolley::{Scenario, SourceText, Texts, read_text};
-///
-/// let read = |path: &str| {
-///     Ok::<_, trolley::Failure>(SourceText { name: path.into(), text: read_text(path.as_ref())? })
-/// };
-/// let texts = Texts {
-///     scenario: read("../../config/scenarios/small.toml")?,
-///     policy: read("../../config/policies/precaution.toml")?,
-///     curves: read("../../config/curves/default.toml")?,
-///     parameters: read("../../config/parameters/default.toml")?,
-/// };
-/// assert_eq!(Scenario::of_texts(texts, Vec::new())?.criteria().policy.name, "precaution");
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Texts {
-    /// Parties and candidates.
-    pub scenario: SourceText,
-    /// How candidates are compared.
-    pub policy: SourceText,
-    /// Injury risk curves.
-    pub curves: SourceText,
-    /// Parameters of contact and dynamics.
-    pub parameters: SourceText,
-}
 
 /// What to rank, and the policy and curves to rank it by: read and checked.
 ///
@@ -217,8 +168,15 @@ impl Scenario {
             files.push(SourceText { name: reference.path.clone(), text });
         }
         let parsed = finish(name, draft, &files)?;
-        let named = [&parsed.policy, &parsed.curves, &parsed.parameters];
-        let [policy, curves, parameters] = criteria_texts(name, named, references)?;
+        let read = |part: &Part, reference: &Option<FileRef>| {
+            let Some(FileRef { path, place }) = reference else { return Ok(part.shipped()) };
+            references.check(file, &format!("{name}:{place}: {}", part.key), path.as_ref())?;
+            let read = part.read(&beside(file, path.as_ref()));
+            read.map_err(|failure| failure.at(format!("{name}:{place}")))
+        };
+        let policy = read(&texts::POLICY, &parsed.policy)?;
+        let curves = read(&texts::CURVES, &parsed.curves)?;
+        let parameters = read(&texts::PARAMETERS, &parsed.parameters)?;
         let scenario = SourceText { name: name.to_owned(), text: text.to_owned() };
         let texts = Texts { scenario, policy, curves, parameters };
         let scenario = Self::of_parts(parsed, texts, files)?.with_references(references);
@@ -261,7 +219,7 @@ impl Scenario {
         texts: Texts,
         files: Vec<SourceText>,
     ) -> Result<Self, Failure> {
-        let criteria = criteria(&texts)?;
+        let criteria = texts.criteria()?;
         let references = References::Inside;
         Ok(Self { texts, files, parsed, criteria, unknown_is_fixed: false, references })
     }
@@ -359,7 +317,7 @@ impl Scenario {
     /// If it is not valid, or the curves do not cover its outcome.
     pub fn with_policy(self, policy: SourceText) -> Result<Self, Failure> {
         let texts = Texts { policy, ..self.texts };
-        let criteria = criteria(&texts)?;
+        let criteria = texts.criteria()?;
         Ok(Self { texts, criteria, ..self })
     }
 
@@ -381,7 +339,7 @@ impl Scenario {
     /// If they are not valid, or do not cover the outcome of the policy.
     pub fn with_curves(self, curves: SourceText) -> Result<Self, Failure> {
         let texts = Texts { curves, ..self.texts };
-        let criteria = criteria(&texts)?;
+        let criteria = texts.criteria()?;
         Ok(Self { texts, criteria, ..self })
     }
 
@@ -453,42 +411,6 @@ fn unknown(party: &str, place: String) -> Failure {
     )
 }
 
-/// A policy, curves that cover it, and parameters, from their texts.
-fn criteria(texts: &Texts) -> Result<Criteria, Failure> {
-    let Texts { policy, curves, parameters, .. } = texts;
-    let policy = Policy::parse(&policy.name, &policy.text)?;
-    let curves = Curves::parse(&curves.name, &curves.text)?;
-    let parameters = Parameters::parse(&parameters.name, &parameters.text)?;
-    let covered = curves.covers(policy.outcome);
-    covered.map_err(|missing| Failure::input(missing.to_string()))?;
-    let (policy, curves) = (Arc::new(policy), Arc::new(curves));
-    Ok(Criteria { policy, curves, parameters: Arc::new(parameters) })
-}
-
-/// The texts of the policy, the curves and the parameters that a scenario names, or those of the
-/// program.
-fn criteria_texts(
-    scenario: &str,
-    [policy, curves, parameters]: [&Option<FileRef>; 3],
-    references: References,
-) -> Result<[SourceText; 3], Failure> {
-    let text = |key: &str, reference: &Option<FileRef>, kind, shipped: (&str, &str)| {
-        let Some(reference) = reference else {
-            return Ok(SourceText { name: shipped.0.to_owned(), text: shipped.1.to_owned() });
-        };
-        let place = format!("{scenario}:{}: {key}", reference.place);
-        references.check(scenario.as_ref(), &place, reference.path.as_ref())?;
-        named(Path::new(scenario), reference, kind)
-    };
-    let shipped = ("config/policies/default.toml", DEFAULT_POLICY);
-    let policy = text("policy", policy, InputKind::Policy, shipped)?;
-    let shipped = ("config/curves/default.toml", DEFAULT_CURVES);
-    let curves = text("curves", curves, InputKind::Curves, shipped)?;
-    let shipped = ("config/parameters/default.toml", DEFAULT_PARAMETERS);
-    let parameters = text("parameters", parameters, InputKind::Parameters, shipped)?;
-    Ok([policy, curves, parameters])
-}
-
 /// Refuses model files of a scenario that it may not name.
 pub(crate) fn check_models(
     parties: &[PartyBody<'_>],
@@ -501,30 +423,6 @@ pub(crate) fn check_models(
         references.check(file, &place, path.as_ref())?;
     }
     Ok(())
-}
-
-/// Reads a text of the length of a scenario: see [`files::text`].
-///
-/// ```
-/// let text = trolley::read_text("../../config/policies/default.toml".as_ref())?;
-/// assert!(text.contains("schema"));
-/// assert!(trolley::read_text("no-such-file.toml".as_ref()).is_err());
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-///
-/// # Errors
-///
-/// If it cannot be read, is no regular file, is too long, or is not text.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
-    files::text(path, InputKind::Scenario)
-}
-
-/// The text of a file that the scenario names.
-fn named(scenario: &Path, reference: &FileRef, kind: InputKind) -> Result<SourceText, Failure> {
-    let path = beside(scenario, reference.path.as_ref());
-    let place = format!("{}:{}", scenario.display(), reference.place);
-    let text = files::text(&path, kind).map_err(|failure| failure.at(place))?;
-    Ok(SourceText { name: path.display().to_string(), text })
 }
 
 /// A scenario whose CSV files are read.

@@ -236,9 +236,17 @@ impl<'a> Crash<'a> {
         self.parties.iter().filter_map(|p| p.mass_kg).map(|m| 1.0 / m).sum()
     }
 
-    /// The energy that no impact of these masses can exceed (J).
+    /// The energy that no impact of these bodies can exceed (J): all that they have about their
+    /// common centre of mass, of their turning, too.
     pub(super) fn energy_at_most(&self) -> f64 {
-        0.5 * self.approach.closing_m_s * self.approach.closing_m_s / self.inverse_masses()
+        let Approach { closing_m_s, yaw_rad_s, .. } = self.approach;
+        let of_turning = |p: usize| {
+            let party = self.parties[p];
+            let speed_m_s = party.gyration_m * yaw_rad_s[p];
+            party.mass_kg.map_or(0.0, |mass_kg| 0.5 * mass_kg * speed_m_s * speed_m_s)
+        };
+        let of_centres = 0.5 * closing_m_s * closing_m_s / self.inverse_masses();
+        of_centres + of_turning(0) + of_turning(1)
     }
 
     /// The side of a party that the normal strikes, turned by some degrees.

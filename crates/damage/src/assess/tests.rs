@@ -135,6 +135,12 @@ fn what_cannot_be_evaluated_is_anything_from_nothing_to_all() {
         assert_eq!((person.work, person.range), (Interval::new(0.0, 1.0), Range::new(0.0, 1.0)));
     }
     assert!(!harm.is_settled());
+    // Who only turns can lose no more than the energy of that.
+    let turning = Approach { closing_m_s: 0.0, yaw_rad_s: [2.0, 0.0], ..approach.clone() };
+    let encounter = Encounter { approach: &turning, ..encounter };
+    let energy_j = assess(&encounter, &Evidence::none(), &basis).expect("sound").energy_j;
+    let speed_m_s = 2.0 * a.gyration_m;
+    assert_eq!(energy_j, Interval::new(0.0, 0.5 * 1200.0 * speed_m_s * speed_m_s));
 }
 
 /// Turning brings the point of contact nearer, or away from it.

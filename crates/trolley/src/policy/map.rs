@@ -240,15 +240,12 @@ impl Mapper<'_> {
         curves: &SourceText,
         grid: Option<([MapAxis; 2], usize)>,
     ) -> Result<MapRow, Failure> {
-        // Both are valid alone, whether or not they go with each other.
-        let named = [
-            damage::Policy::parse(&policy.name, &policy.text)?.name,
-            damage::Curves::parse(&curves.name, &curves.text)?.name,
-        ];
-        let [policy_name, curves_name] = named;
+        // Each is valid alone, whether or not they go with each other.
+        let policy = damage::Policy::parse(&policy.name, &policy.text)?;
+        let curves = damage::Curves::parse(&curves.name, &curves.text)?;
         let mut row = MapRow {
-            policy: policy_name,
-            curves: curves_name,
+            policy: policy.name.clone(),
+            curves: curves.name.clone(),
             winner: None,
             last: None,
             tied: Vec::new(),
@@ -257,13 +254,10 @@ impl Mapper<'_> {
             given: None,
             cells: Vec::new(),
         };
-        let judged = judged(scenario, policy, curves);
-        let answer = judged.and_then(|judged| {
-            let answer = self.ranked(&judged, Until::Complete)?;
-            Ok((judged, answer))
-        });
-        let (judged, answer) = match answer {
-            Ok(both) => both,
+        let covered = curves.covers(policy.outcome).map_err(Failure::from);
+        let judged = scenario.varied(scenario.parsed().clone(), policy, curves);
+        let answer = match covered.and_then(|()| self.ranked(&judged, Until::Complete)) {
+            Ok(answer) => answer,
             Err(failure) => {
                 row.fault = Some(failure.to_string());
                 return Ok(row);
@@ -326,16 +320,4 @@ impl Mapper<'_> {
             }
         }
     }
-}
-
-/// A scenario under this policy with these curves.
-fn judged(
-    scenario: &Scenario,
-    policy: &SourceText,
-    curves: &SourceText,
-) -> Result<Scenario, Failure> {
-    let policy = damage::Policy::parse(&policy.name, &policy.text)?;
-    let curves = damage::Curves::parse(&curves.name, &curves.text)?;
-    curves.covers(policy.outcome)?;
-    Ok(scenario.varied(scenario.parsed().clone(), policy, curves))
 }

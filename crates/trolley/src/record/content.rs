@@ -3,7 +3,7 @@
 use super::line;
 use crate::engine::{Ranking, Recorded};
 use crate::run::Run;
-use crate::scenario::SourceText;
+use crate::texts::SourceText;
 use crate::{BUILD, Failure};
 use record::{Edge, RecordContent, RecordedSpan, RecordedStage, RecordedText, Settings};
 

@@ -2,7 +2,8 @@
 
 use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress, PartyBody};
-use crate::scenario::{Scenario, SourceText, Texts};
+use crate::scenario::Scenario;
+use crate::texts::{SourceText, Texts};
 use crate::{BUILD, Failure, FailureKind};
 use body::Shells;
 use coordinator::{
