@@ -1,5 +1,5 @@
-//! `trolley validate`: the shipped orderings hold, crash tests are computed and judged, a broken
-//! model is noticed, and bad files are refused with their place.
+//! `trolley validate`: the shipped orderings hold, crash tests are computed and judged, an ordering
+//! that fails is told, and bad files are refused with their place.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, json, text, trolley};
@@ -54,7 +54,7 @@ fn crash_tests_are_computed_by_the_whole_engine() {
 }
 
 #[test]
-fn the_shipped_orderings_hold_and_a_broken_model_fails_them() {
+fn the_shipped_orderings_hold_and_their_figures_follow_the_parameters() {
     let folder = config("orderings");
     let folder = folder.to_str().unwrap();
     let output = validate(&[folder, "--json"]);
@@ -65,8 +65,7 @@ fn the_shipped_orderings_hold_and_a_broken_model_fails_them() {
         assert!(one["holds"] == true && one["reason"].as_str().unwrap().len() > 3, "{one}");
     }
     assert!(output.status.success());
-    // Without restitution along a face, a barrier gives no more than goes across it; with a wrong
-    // one it cannot.
+    // With another restitution, other figures.
     let place = Place::new();
     let shipped = std::fs::read_to_string(config("parameters/default.toml")).unwrap();
     let few = shipped.replacen("nominal = 0.1\nhigh = 0.3", "nominal = 0.0\nhigh = 0.3", 1);
@@ -103,6 +102,11 @@ fn bad_files_are_refused_with_their_place() {
         ("h.toml", good.replacen("value = 1.0\n", "", 1), "two of more, less and value"),
         ("i.toml", good.replacen("generate =", "generated =", 1), "generated"),
         ("j.toml", String::new(), "schema"),
+        (
+            "k.toml",
+            good.replacen("of = \"under\", party = \"ego\"", "of = \"under\", party = \"egg\"", 1),
+            "no party \"egg\"",
+        ),
     ];
     for (name, content, says) in cases {
         let file = place.write(name, &content);

@@ -3,7 +3,7 @@
 //! Scenes lack the two lines that begin every scenario, schema and name.
 
 use crate::progress::Progress;
-
+use body::Seat;
 use damage::Level;
 use damage::injury::DEFAULT_CURVES;
 use damage::plane::Ride;
@@ -67,7 +67,7 @@ struct Measured {
     candidate: String,
     of: What,
     party: Option<String>,
-    seat: Option<String>,
+    seat: Option<Seat>,
 }
 
 /// Which figure.
@@ -153,7 +153,7 @@ pub(super) fn run(
     bar: &Progress<'_>,
 ) -> Result<Vec<Ordered>, Failure> {
     let mut engine = Engine::builder().in_process().build()?;
-    let mut answers: BTreeMap<(String, String), Answer> = BTreeMap::new();
+    let mut answers: BTreeMap<(String, String), (Scenario, Answer)> = BTreeMap::new();
     let mut tried = Vec::new();
     for ordering in orderings {
         let mut figure = |measured: &Measured| {
@@ -162,7 +162,8 @@ pub(super) fn run(
                 let answer = ordering.answer(&mut engine, parameters, &measured.scene)?;
                 answers.insert(key.clone(), answer);
             }
-            measured.of(&answers[&key]).map_err(|what| {
+            let (scenario, answer) = &answers[&key];
+            measured.of(scenario, answer).map_err(|what| {
                 Failure::input(format!("ordering \"{}\": {what}", ordering.name))
                     .at(&ordering.file)
                     .with_remedy(KEYS)
@@ -194,7 +195,7 @@ impl Ordering {
         engine: &mut Engine,
         parameters: &SourceText,
         name: &str,
-    ) -> Result<Answer, Failure> {
+    ) -> Result<(Scenario, Answer), Failure> {
         let scene = &self.scenes[name];
         let level = scene.level.unwrap_or(Level::Mais3);
         let outcome = |level: Level| format!("outcome = \"{}\"", level.name());
@@ -218,12 +219,20 @@ impl Ordering {
             parameters: parameters.clone(),
         };
         let scenario = Scenario::of_texts(texts, Vec::new())?;
-        Ok(engine.rank(&scenario, &Limits::default())?.answer)
+        let answer = engine.rank(&scenario, &Limits::default())?.answer;
+        Ok((scenario, answer))
     }
 }
 
 impl Measured {
-    fn of(&self, answer: &Answer) -> Result<f64, String> {
+    fn of(&self, scenario: &Scenario, answer: &Answer) -> Result<f64, String> {
+        // A name that is misspelt would be one whom nothing befalls.
+        let parties = &scenario.parsed().parties;
+        if let Some(named) = &self.party
+            && !parties.iter().any(|party| *party.name == **named)
+        {
+            return Err(format!("there is no party \"{named}\""));
+        }
         let row = answer.ranking.iter().find(|row| row.name == self.candidate);
         let row = row.ok_or_else(|| format!("there is no candidate \"{}\"", self.candidate))?;
         Ok(match self.of {
@@ -242,7 +251,7 @@ impl Measured {
     fn risk(&self, row: &CourseRow) -> f64 {
         let is_meant = |party: &str, seat: Option<&str>| {
             self.party.as_deref().is_none_or(|wanted| wanted == party)
-                && self.seat.as_deref().is_none_or(|wanted| Some(wanted) == seat)
+                && self.seat.is_none_or(|wanted| Some(wanted.name()) == seat)
         };
         let persons = row.persons.iter().filter(|one| is_meant(&one.party, one.seat));
         persons.map(|one| one.work.hi()).fold(0.0, f64::max)
