@@ -46,8 +46,12 @@ pub const DEPTH_MAX_M: f64 = 0.9;
 /// A sum of chords below this (m²) is no plane.
 const CHORD_MIN_M2: f64 = 1e-6;
 
-/// Bodies that overlap by more than this (m³) without a plane lie in each other: they do not graze.
+/// Bodies that lie in each other by more than this (m³) without a plane do not graze.
 const INSIDE_M3: f64 = 0.005;
+
+/// One lies in the other, or passes through it, where the chord of their overlap is shorter than
+/// this share of the root of its area: where they part or slide, it is about as long as that.
+const INSIDE_CHORD: f64 = 0.1;
 
 /// What makes the plane of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -133,8 +137,8 @@ impl Front {
 /// What is summed over depths and bands.
 #[derive(Default)]
 struct Sum {
-    /// The mean volume of the overlap, over depths.
-    volume_m3: f64,
+    /// The mean volume in which one lies in the other, over depths.
+    inside_m3: f64,
     chord: [f64; 2],
     weight: f64,
     arms: [[f64; 2]; 2],
@@ -148,8 +152,10 @@ struct Sum {
 
 impl Sum {
     fn add(&mut self, found: &Overlap, weight: f64, travel_m: f64, centres: [[f64; 2]; 2]) {
-        self.volume_m3 += weight * found.area_m2 / CHORDS as f64;
         let [x, y] = found.chord;
+        if x * x + y * y < INSIDE_CHORD * INSIDE_CHORD * found.area_m2 {
+            self.inside_m3 += weight * found.area_m2 / CHORDS as f64;
+        }
         if x <= 0.0 {
             return;
         }
@@ -255,7 +261,7 @@ impl Plane {
         if length < CHORD_MIN_M2 {
             let holds = [a.holds(at.0, at.1), b.holds(at.0, at.1)];
             let is_weak = |p: usize| !holds[p] && parties[p].has_weak_parts;
-            plane.origin = if sum.volume_m3 >= INSIDE_M3 {
+            plane.origin = if sum.inside_m3 >= INSIDE_M3 {
                 PlaneOrigin::Motion
             } else if is_weak(0) || is_weak(1) {
                 PlaneOrigin::WeakPart

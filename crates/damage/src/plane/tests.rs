@@ -154,19 +154,50 @@ fn a_sheet_stops_a_car() {
     assert!((plane.normal - DVec3::X).length() < 1e-9);
 }
 
+/// The plane of bodies as they stand, wherever they overlap.
+fn plane_of(scene: &Scene, point: DVec3) -> Plane {
+    let approach = scene.approach();
+    let outlines = [scene.a.outlines(), scene.b.outlines()];
+    let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
+    let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
+    Plane::of(&approach, [&a, &b], fronts, point)
+}
+
 /// A body inside another one does not graze it: it is stopped.
 #[test]
 fn who_lies_inside_is_not_let_through() {
     let mut scene = head_on(0.0);
     scene.b = Prism::cuboid(1.0, 0.8, [0.2, 0.1], 10.0);
     scene.party_b = car(1, 900.0, [0.2, 0.1], 10.0);
-    let approach = scene.approach();
-    let outlines = [scene.a.outlines(), scene.b.outlines()];
-    let [a, b] = outlines.each_ref().map(|of| Footprint::of(of, None, &approach));
-    let fronts = [Front::of(&scene.party_a), Front::of(&scene.party_b)];
-    let plane = Plane::of(&approach, [&a, &b], fronts, DVec3::new(0.2, 0.1, 0.5));
+    let plane = plane_of(&scene, DVec3::new(0.2, 0.1, 0.5));
     assert_eq!(plane.origin, PlaneOrigin::Motion);
-    assert!((plane.normal - approach.directions.d[0]).length() < 1e-9);
+    assert!((plane.normal - DVec3::X).length() < 1e-9);
+}
+
+/// Nor who passes right through it from side to side.
+#[test]
+fn what_stands_across_is_not_let_through() {
+    let mut scene = head_on(0.0);
+    scene.b = Prism::cuboid(0.5, 6.0, [0.5, 0.3], 3.0);
+    scene.party_b = fixed(BodyKind::Wall, [0.5, 0.3]);
+    let plane = plane_of(&scene, DVec3::new(0.3, 0.9, 0.5));
+    assert_eq!(plane.origin, PlaneOrigin::Motion);
+}
+
+/// Cars that have slid along each other, however far into their sides, are about to part: they do
+/// not meet head on again.
+#[test]
+fn sides_that_part_are_not_met_head_on() {
+    for (into_m, turned) in [(0.05, 180.0), (0.2, 180.0), (0.2, 177.0), (0.5, 180.0)] {
+        // The front of each is beside the tail of the other.
+        let at = [-2.0, 1.75 - into_m];
+        let mut scene = head_on(0.0);
+        scene.b = Prism::cuboid(4.5, 1.7, at, turned);
+        scene.party_b = car(1, 1800.0, at, turned);
+        let plane = plane_of(&scene, DVec3::new(-1.0, 0.9 - 0.5 * into_m, 0.5));
+        assert_ne!(plane.origin, PlaneOrigin::Motion, "{into_m} {turned}");
+        assert!(plane.origin == PlaneOrigin::Graze || plane.normal.x < 0.3, "{plane:?}");
+    }
 }
 
 /// A body that lies on the road is struck at its height, not as if it stood.
