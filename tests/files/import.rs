@@ -346,3 +346,32 @@ fn an_output_that_cannot_be_written_is_refused_at_once() {
     assert!(before == std::fs::read(&file).unwrap());
     assert_eq!(listing(place.path()), ["car.obj"]);
 }
+
+/// What a side file knows of impacts replaces the parameters in force, and is told.
+#[test]
+fn a_side_file_may_know_how_a_body_bounces() {
+    let place = Place::new();
+    let file = place.write("taxi.obj", &box_obj([4.5, 1.8, 1.4]));
+    let out = place.path().join("taxi.trolley");
+    let scene = place.write(
+        "wall.toml",
+        "schema = \"trolley.scenario/2\"\nname = \"wall\"\n\
+         [parties.ego]\nfile = \"taxi.trolley\"\n\
+         [parties.wall]\ngenerate = { shape = \"wall\", triangles = 2000 }\n\
+         place = { position_m = [20, 0, 0], yaw_deg = 90 }\n\
+         [[candidates]]\nname = \"on\"\nstate = { position_m = [0, 0, 0], speed_m_s = 10 }\n",
+    );
+    let delta_v = |side: &str| {
+        place.write("taxi.toml", &format!("kind = \"sedan\"\nsource = \"a test\"\n{side}"));
+        done(&["import", utf8(&file), "-o", utf8(&out)]);
+        let ranked = trolley().args(["rank", utf8(&scene), "--in-process", "--json"]).output();
+        let answer = json(&ranked.unwrap());
+        answer["answer"]["ranking"][0]["contacts"][0]["delta_v_m_s"][0]["work"][1].clone()
+    };
+    let usual = delta_v("").as_f64().unwrap();
+    assert!((usual - 11.0).abs() < 0.01, "{usual}");
+    let own = delta_v("[impact]\nrestitution = { low = 0.4, nominal = 0.5, high = 0.6 }\n");
+    assert!((own.as_f64().unwrap() - 15.0).abs() < 0.01, "{own}");
+    let shown = text(&done(&["info", utf8(&out)]).stdout);
+    assert!(shown.contains("impact      e 0.5 in 0.4–0.6; from taxi.toml (a test)"), "{shown}");
+}

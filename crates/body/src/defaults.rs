@@ -111,6 +111,8 @@ pub fn assemble(origin: Origin<'_>, mesh: &Mesh) -> Meta {
         centre_m: usual.centre_m,
         gyration_m: usual.gyration_m,
         mass_source: usual.mass_source,
+        impact: crate::OwnParameters::default(),
+        impact_source: String::new(),
         occupants: None,
         parts: mesh.parts.clone(),
         origin: origin.origin.to_owned(),

@@ -32,7 +32,7 @@ pub use check::{COORDINATE_MAX_M, check_body};
 pub const MAGIC: [u8; 8] = *b"TROLLEY\n";
 
 /// Version of the layout and of [`Meta`]. Other versions are rejected.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Alignment of the arrays and of the file itself, in bytes: one cache line.
 pub const ALIGN: usize = 64;

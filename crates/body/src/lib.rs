@@ -14,6 +14,7 @@ pub mod codec;
 pub mod defaults;
 pub mod file;
 pub mod fit;
+pub mod impact;
 pub mod meta;
 pub mod outline;
 mod shape;
@@ -26,6 +27,7 @@ pub mod zones;
 
 pub use body::{Body, BodyView, Mesh, Node, Zones, is_degenerate};
 pub use fit::Fit;
+pub use impact::{OwnParameters, Setting};
 pub use meta::{BodyKind, Build, LEAF_SIZE_MAX, Meta, Seat};
 pub use outline::{Band, Outlines, Ring};
 pub use shape::{Shape, UnknownShape};

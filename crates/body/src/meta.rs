@@ -1,5 +1,6 @@
 //! The metadata of a body: kind, mass, seats, origin, and how its tree was built.
 
+use crate::impact::OwnParameters;
 use crate::outline::Outlines;
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +109,10 @@ pub struct Meta {
     pub gyration_m: f64,
     /// Source of mass, centre and gyration: a file, or the source of the default.
     pub mass_source: String,
+    /// What is known of its impacts, in place of the parameters in force.
+    pub impact: OwnParameters,
+    /// Where that comes from; empty if nothing is known.
+    pub impact_source: String,
     /// Persons aboard unless a scenario says otherwise; `None` if not stated.
     pub occupants: Option<Vec<Occupant>>,
     /// Names of parts, indexed by `part_of`.
@@ -280,6 +285,10 @@ impl Meta {
         }
         if self.centre_m.iter().any(|x| !(x.abs() <= LENGTH_MAX_M)) {
             return Err(format!("centre of mass {:?} m is not finite", self.centre_m));
+        }
+        self.impact.check(self.kind)?;
+        if self.impact_source.trim().is_empty() && !self.impact.is_empty() {
+            return Err("what is known of its impacts has no source".to_owned());
         }
         if self.parts.len() > usize::from(u16::MAX) + 1 {
             return Err(format!("{} parts are too many", self.parts.len()));

@@ -19,6 +19,8 @@ pub fn body_of(mesh: &Mesh) -> Body {
             centre_m: [0.0; 3],
             gyration_m: 1.0,
             mass_source: "test".into(),
+            impact: crate::OwnParameters::default(),
+            impact_source: String::new(),
             occupants: None,
             parts: mesh.parts.clone(),
             origin: "test".into(),

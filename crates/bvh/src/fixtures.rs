@@ -34,6 +34,8 @@ pub(crate) fn meta() -> Meta {
         centre_m: [0.0; 3],
         gyration_m: 1.0,
         mass_source: "test".into(),
+        impact: body::OwnParameters::default(),
+        impact_source: String::new(),
         occupants: None,
         parts: Vec::new(),
         origin: "test".into(),

@@ -1,7 +1,7 @@
 //! What is asked of workers at once: contacts in the ego's frame, and the persons at stake.
 
 use crate::candidate_state::FirstContact;
-use body::{BodyKind, Meta, Outlines, Seat};
+use body::{BodyKind, Meta, Outlines, OwnParameters, Seat};
 use damage::approach::STANDSTILL_M_S;
 use damage::dynamics::delta_v_at_most;
 use damage::party::is_fixed;
@@ -53,7 +53,8 @@ impl Candidate {
         let speed_m_s = self.approach.closing_m_s
             + of_turning(0, &self.approach.supports_a, &self.a)
             + of_turning(1, &self.approach.supports_b, &self.b);
-        delta_v_at_most(speed_m_s, masses, parameters) >= damage::course::HEAVY_M_S
+        let pair = parameters.of_pair([&self.a.own, &self.b.own]);
+        delta_v_at_most(speed_m_s, masses, &pair) >= damage::course::HEAVY_M_S
     }
 
     /// Lays the plane of the contact, from the outlines of both bodies, at the point where they
@@ -170,6 +171,7 @@ pub(crate) fn party(
         forward,
         stiffness: stated.crush.map(|[a_n_m, b_n_m2]| Stiffness { a_n_m, b_n_m2 }),
         front_m: meta.front_height_m.filter(|_| !is_fixed(kind)),
+        own: if stated.is_unknown { OwnParameters::default() } else { meta.impact },
         persons: aboard.collect(),
     }
 }

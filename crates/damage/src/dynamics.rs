@@ -14,7 +14,7 @@
 //! `(1+e) |v|` over the sum of the inverse masses, as the coupled solution is cut there; scaling
 //! all velocities scales it.
 
-use crate::parameters::Parameters;
+use crate::parameters::PairParameters;
 use geometry::DVec3;
 use serde::Serialize;
 
@@ -188,7 +188,11 @@ pub fn of_turning(yaw_rad_s: f64, arm_m: DVec3, up: DVec3) -> DVec3 {
 /// point of contact (m/s), with nominal parameters, wherever and however they meet; masses in kg,
 /// `None` for what is fixed.
 #[must_use]
-pub fn delta_v_at_most(speed_m_s: f64, [a, b]: [Option<f64>; 2], parameters: &Parameters) -> f64 {
+pub fn delta_v_at_most(
+    speed_m_s: f64,
+    [a, b]: [Option<f64>; 2],
+    parameters: &PairParameters,
+) -> f64 {
     let [a, b] = [a, b].map(|mass_kg| mass_kg.map_or(0.0, |mass_kg| 1.0 / mass_kg));
     if a == 0.0 {
         return 0.0;

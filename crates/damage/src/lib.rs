@@ -11,7 +11,7 @@
 //! machines give the same bits.
 //!
 //! ```
-//! use body::{Band, BodyKind, Outlines, Seat};
+//! use body::{Band, BodyKind, Outlines, OwnParameters, Seat};
 //! use geometry::{DVec3, Directions, Supports};
 //! use trolley_damage::{Aboard, Approach, Basis, CollisionParty, Curves, Encounter, Evidence};
 //! use trolley_damage::{Footprint, Front, Parameters, PersonId, Plane, Policy, Stake};
@@ -50,6 +50,7 @@
 //!     forward: DVec3::X,
 //!     stiffness: None,
 //!     front_m: Some(0.7),
+//!     own: OwnParameters::default(),
 //!     persons: [Aboard { id: PersonId(0), seat: Some(Seat::FrontLeft) }].into_iter().collect(),
 //! };
 //! let wall = CollisionParty {

@@ -1,8 +1,12 @@
 //! Parameters of contact and dynamics: a data file, each value with its range and its source.
 
 use crate::fault::{DataFileError, Source};
+use body::OwnParameters;
+use body::impact::FRICTION_MAX;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
+
+pub use body::Setting;
 
 /// The parameters in force unless others are named: `config/parameters/default.toml`.
 pub const DEFAULT_PARAMETERS: &str =
@@ -12,17 +16,6 @@ const KEYS: &str = "a file of parameters has schema, name and the tables restitu
                     flat_friction, face_restitution (low, nominal, high, source), \
                     face_restitution_more, face_tangential_share, gyration_share, mass_share, \
                     speed_share and normal_degrees (value, source)";
-
-/// A parameter with its expert range.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Setting {
-    /// Low end.
-    pub low: f64,
-    /// What the nominal computation takes.
-    pub nominal: f64,
-    /// High end.
-    pub high: f64,
-}
 
 /// Parameters of contact and dynamics.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -54,6 +47,28 @@ pub struct Parameters {
     pub sources: Vec<String>,
 }
 
+/// The parameters of one contact: those in force, with what is known of both parties in their
+/// place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairParameters {
+    /// Restitution e of bodies that catch each other.
+    pub restitution: Setting,
+    /// Friction μ ...
+    pub friction: Setting,
+    /// ... and where one of them is a flat face of a fixed object.
+    pub flat_friction: Setting,
+    /// Restitution along the normal of a long flat face, from 60° on ...
+    pub face_restitution: Setting,
+    /// ... and what is added to it up to 30°.
+    pub face_restitution_more: f64,
+    /// The most that the impulse along a long flat face is of the one across it.
+    pub face_tangential_share: f64,
+    /// Gyration of each party is known to this share.
+    pub gyration_share: [f64; 2],
+    /// Mass of each party is known to this share.
+    pub mass_share: [f64; 2],
+}
+
 /// Which end of the parameters' ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pick {
@@ -64,6 +79,14 @@ pub(crate) enum Pick {
 
 impl Pick {
     pub(crate) const ALL: [Self; 3] = [Self::Low, Self::Nominal, Self::High];
+
+    pub(crate) fn of(self, setting: &Setting) -> f64 {
+        match self {
+            Self::Low => setting.low,
+            Self::Nominal => setting.nominal,
+            Self::High => setting.high,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -99,16 +122,6 @@ struct ValueText {
     source: String,
 }
 
-impl Setting {
-    pub(crate) fn pick(&self, pick: Pick) -> f64 {
-        match pick {
-            Pick::Low => self.low,
-            Pick::Nominal => self.nominal,
-            Pick::High => self.high,
-        }
-    }
-}
-
 /// The factor `1 ± share`.
 pub(crate) fn factor(share: f64, pick: Pick) -> f64 {
     match pick {
@@ -118,7 +131,57 @@ pub(crate) fn factor(share: f64, pick: Pick) -> f64 {
     }
 }
 
+/// What both parties state, by the mean where both do.
+fn joint<T>(of: [Option<T>; 2], usual: T, mean: impl Fn(T, T) -> T) -> T {
+    match of {
+        [Some(a), Some(b)] => mean(a, b),
+        [Some(one), None] | [None, Some(one)] => one,
+        [None, None] => usual,
+    }
+}
+
+fn mean(a: f64, b: f64) -> f64 {
+    0.5 * (a + b)
+}
+
+fn mean_setting(a: Setting, b: Setting) -> Setting {
+    Setting {
+        low: mean(a.low, b.low),
+        nominal: mean(a.nominal, b.nominal),
+        high: mean(a.high, b.high),
+    }
+}
+
 impl Parameters {
+    /// The parameters of a contact of two parties of which this is known.
+    ///
+    /// What a party states takes the place of the set's value; where both state it, the mean of
+    /// both does, our assumption. Mass and gyration are each party's own.
+    #[must_use]
+    pub fn of_pair(&self, own: [&OwnParameters; 2]) -> PairParameters {
+        let setting = |of: fn(&OwnParameters) -> Option<Setting>, usual: Setting| {
+            joint(own.map(of), usual, mean_setting)
+        };
+        let value =
+            |of: fn(&OwnParameters) -> Option<f64>, usual: f64| joint(own.map(of), usual, mean);
+        let face_restitution = setting(|own| own.restitution, self.face_restitution);
+        let more = value(|own| own.face_restitution_more, self.face_restitution_more);
+        PairParameters {
+            restitution: setting(|own| own.restitution, self.restitution),
+            friction: setting(|own| own.friction, self.friction),
+            flat_friction: setting(|own| own.friction, self.flat_friction),
+            face_restitution,
+            // Nothing leaves faster than it came.
+            face_restitution_more: more.min(1.0 - face_restitution.high),
+            face_tangential_share: value(
+                |own| own.face_tangential_share,
+                self.face_tangential_share,
+            ),
+            gyration_share: own.map(|own| own.gyration_share.unwrap_or(self.gyration_share)),
+            mass_share: own.map(|own| own.mass_share.unwrap_or(self.mass_share)),
+        }
+    }
+
     /// The set that ships with the program.
     ///
     /// # Errors
@@ -153,15 +216,16 @@ impl Parameters {
             let (span, text) = (text.span(), text.into_inner());
             sourced(&text.source, span.clone())?;
             let RangeText { low, nominal, high, .. } = text;
-            if !(0.0 <= low && low <= nominal && nominal <= high && high <= most) {
+            let setting = Setting { low, nominal, high };
+            if !setting.is_within(most) {
                 let remedy = format!("write 0 ≤ low ≤ nominal ≤ high ≤ {most}");
                 return Err(source.fault(span, "not a range", remedy));
             }
-            Ok(Setting { low, nominal, high })
+            Ok(setting)
         };
         let restitution = range(read.restitution, 1.0)?;
-        let friction = range(read.friction, 10.0)?;
-        let flat_friction = range(read.flat_friction, 10.0)?;
+        let friction = range(read.friction, FRICTION_MAX)?;
+        let flat_friction = range(read.flat_friction, FRICTION_MAX)?;
         let face_restitution = range(read.face_restitution, 1.0)?;
         let mut value = |text: Spanned<ValueText>, below: f64| {
             let (span, text) = (text.span(), text.into_inner());

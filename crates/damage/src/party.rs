@@ -5,7 +5,7 @@
 
 use crate::crush::Stiffness;
 use crate::injury::Victim;
-use body::{BodyKind, Seat};
+use body::{BodyKind, OwnParameters, Seat};
 use geometry::DVec3;
 use serde::Serialize;
 use smallvec::SmallVec;
@@ -46,6 +46,8 @@ pub struct CollisionParty {
     pub stiffness: Option<Stiffness>,
     /// The height of the edge of its front above its lowest point (m), if it has one.
     pub front_m: Option<f64>,
+    /// What is known of its impacts, in place of the parameters in force.
+    pub own: OwnParameters,
     /// Who is with it.
     pub persons: SmallVec<[Aboard; IN_PLACE]>,
 }

@@ -13,7 +13,7 @@ use crate::parameters::Parameters;
 use crate::party::{Aboard, CollisionParty, PersonId};
 use crate::path::survey;
 use crate::plane::{Footprint, Front, Plane};
-use body::{Band, BodyKind, Outlines, Seat, Zones};
+use body::{Band, BodyKind, Outlines, OwnParameters, Seat, Zones};
 use geometry::{DVec3, Directions, Supports};
 
 /// An upright prism over a convex outline, metres.
@@ -128,6 +128,7 @@ pub(crate) fn car(person: usize, mass_kg: f64, centre: [f64; 2], degrees: f64) -
         forward: DVec3::new(cos, sin, 0.0),
         stiffness: None,
         front_m: Some(0.7),
+        own: OwnParameters::default(),
         persons: [Aboard { id: PersonId(person), seat: Some(Seat::FrontLeft) }]
             .into_iter()
             .collect(),
@@ -144,6 +145,7 @@ pub(crate) fn walker(person: usize, centre: [f64; 2]) -> CollisionParty {
         forward: DVec3::X,
         stiffness: None,
         front_m: None,
+        own: OwnParameters::default(),
         persons: [Aboard { id: PersonId(person), seat: None }].into_iter().collect(),
     }
 }
@@ -158,6 +160,7 @@ pub(crate) fn fixed(kind: BodyKind, centre: [f64; 2]) -> CollisionParty {
         forward: DVec3::X,
         stiffness: None,
         front_m: None,
+        own: OwnParameters::default(),
         persons: Default::default(),
     }
 }

@@ -1,4 +1,5 @@
-//! The TOML file beside a mesh: its mass, centre of mass, inertia and seats as known to its maker.
+//! The TOML file beside a mesh: its mass, centre of mass, inertia, seats and impacts as known to its
+//! maker.
 //!
 //! ```toml
 //! name = "sedan"
@@ -8,12 +9,16 @@
 //! yaw_inertia_kg_m2 = 1053.5      # or gyration_m
 //! occupants = [{ seat = "front-left" }]
 //! source = "maker's data sheet, 2024"
+//!
+//! [impact]                        # in place of the parameters in force: body::OwnParameters
+//! restitution = { low = 0.05, nominal = 0.12, high = 0.2 }
+//! mass_share = 0.02               # the mass is known to 2 %
 //! ```
 //!
-//! Every key is optional; unknown keys are rejected. Errors give file, line and column.
+//! Every key is optional, but `[impact]` needs a source; unknown keys are rejected. Errors give file, line and column.
 
 use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
-use body::{BodyKind, Meta};
+use body::{BodyKind, Meta, OwnParameters};
 use diagnostic::Diagnostic;
 use geometry::Aabb;
 use serde::Deserialize;
@@ -40,6 +45,7 @@ struct Keys {
     gyration_m: Option<Spanned<f64>>,
     occupants: Option<Spanned<Vec<Occupant>>>,
     source: Option<String>,
+    impact: Option<Spanned<OwnParameters>>,
 }
 
 /// A side file was rejected: `file:line:column: what`.
@@ -77,7 +83,9 @@ impl Diagnostic for SideError {
 }
 
 const KEYS: &str = "the keys are name, kind, mass_kg, centre_m, yaw_inertia_kg_m2 or gyration_m, \
-                    occupants, source";
+                    occupants, source; and under [impact] restitution, friction (low, \
+                    nominal, high), face_restitution_more, \
+                    face_tangential_share, gyration_share, mass_share";
 
 impl SideFile {
     /// Parses a side file.
@@ -118,6 +126,11 @@ impl SideFile {
         if let (Some(inertia), Some(_)) = (&keys.yaw_inertia_kg_m2, &keys.gyration_m) {
             let fault = "yaw_inertia_kg_m2 and gyration_m say the same thing twice";
             return self.fail(inertia.span(), fault.into(), "keep one of them");
+        }
+        let has_source = keys.source.as_ref().is_some_and(|source| !source.trim().is_empty());
+        if let Some(impact) = keys.impact.as_ref().filter(|_| !has_source) {
+            let fault = "what is known of its impacts has no source".into();
+            return self.fail(impact.span(), fault, "add source = \"...\" above [impact]");
         }
         match &keys.centre_m {
             Some(centre) if centre.as_ref().iter().any(|x| !(x.abs() <= LENGTH_MAX_M)) => {
@@ -183,8 +196,16 @@ impl SideFile {
             meta.occupants = Some(occupants.as_ref().clone());
             said.push("occupants");
         }
+        let file = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
+        if let Some(impact) = &keys.impact {
+            let own = *impact.as_ref();
+            if let Err(fault) = own.check(meta.kind) {
+                return self.fail(impact.span(), fault, "correct it, or leave it out");
+            }
+            meta.impact = own;
+            meta.impact_source = format!("{file} ({})", keys.source.as_deref().unwrap_or_default());
+        }
         if !said.is_empty() {
-            let file = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
             let source = keys.source.as_deref().map_or(String::new(), |s| format!(" ({s})"));
             let rest = format!("else {}", meta.mass_source);
             let rest = if said.contains(&"mass") { "else default" } else { rest.as_str() };

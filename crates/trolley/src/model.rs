@@ -70,6 +70,17 @@ pub use body::Build;
 /// ```
 pub use body::LEAF_SIZE_MAX;
 
+/// What a side file says of a body's impacts, in place of the parameters in force.
+///
+/// ```
+/// use trolley::model::{BodyKind, OwnParameters};
+///
+/// let own = OwnParameters { mass_share: Some(0.02), ..OwnParameters::default() };
+/// assert!(own.check(BodyKind::Sedan).is_ok());
+/// assert!(own.check(BodyKind::Wall).is_err()); // it has no mass
+/// ```
+pub use body::OwnParameters;
+
 /// A seat of an occupant.
 ///
 /// ```

@@ -1,6 +1,7 @@
 //! The bytes are pinned; every encoding survives a round trip; nothing else is accepted.
 
 use super::*;
+use crate::impact::OwnParameters;
 use crate::meta::{BodyKind, Build, Meta, Occupant, Seat};
 use crate::outline::{Band, Outlines};
 
@@ -12,6 +13,8 @@ fn meta() -> Meta {
         centre_m: [1.0, -2.0, 0.5],
         gyration_m: 0.25,
         mass_source: "s".into(),
+        impact: OwnParameters { mass_share: Some(0.25), ..OwnParameters::default() },
+        impact_source: "i".into(),
         occupants: Some(vec![Occupant { seat: Some(Seat::RearLeft) }, Occupant { seat: None }]),
         parts: vec!["p".into()],
         origin: "o".into(),
@@ -52,6 +55,10 @@ fn the_bytes_are_pinned() {
         "000000000000d03f",
         "0100000000000000",
         "73",
+        "0000000000",
+        "01000000000000d03f",
+        "0100000000000000",
+        "69",
         "01",
         "0200000000000000",
         "0102000000",

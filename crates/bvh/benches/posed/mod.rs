@@ -94,6 +94,8 @@ fn with_tree(corners: Vec<Corners>, options: &BuildOptions) -> Body {
         centre_m: Pose::IDENTITY.translation,
         gyration_m: 1.0,
         mass_source: String::new(),
+        impact: body::OwnParameters::default(),
+        impact_source: String::new(),
         occupants: None,
         parts: Vec::new(),
         origin: String::new(),

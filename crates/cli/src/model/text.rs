@@ -33,6 +33,9 @@ pub(super) fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> Stri
             .map_or(String::new(), |height| format!("; edge of the front at {height:.2} m"));
         row("outline", &format!("{length:.2} by {width:.2} m without weak parts{front}"));
     }
+    if let Some(impact) = impact(facts) {
+        row("impact", &impact);
+    }
     row("aboard", &aboard(facts));
     for (at, part) in facts.parts.iter().take(PARTS_SHOWN).enumerate() {
         let name = if at == 0 { "parts" } else { "" };
@@ -65,6 +68,27 @@ fn count(facts: &Facts) -> String {
         text += &format!(", {} of zero area kept", thousands(facts.degenerate_kept as usize));
     }
     text
+}
+
+/// What is known of its impacts: "e 0.12 in 0.05–0.2, mass to 2 %; from taxi.toml (a data sheet)".
+fn impact(facts: &Facts) -> Option<String> {
+    let own = &facts.impact;
+    let ranges = [("e", own.restitution), ("μ", own.friction)];
+    let values = [
+        ("added to e of faces up to 30°", own.face_restitution_more),
+        ("along faces", own.face_tangential_share),
+    ];
+    let shares = [("mass", own.mass_share), ("gyration", own.gyration_share)];
+    let ranges = ranges.into_iter().filter_map(|(name, of)| {
+        of.map(|of| format!("{name} {} in {}–{}", of.nominal, of.low, of.high))
+    });
+    let values = values.into_iter().filter_map(|(name, of)| of.map(|of| format!("{of} {name}")));
+    let shares = shares
+        .into_iter()
+        .filter_map(|(name, of)| of.map(|of| format!("{name} to {} %", rounded(100.0 * of))));
+    let known: Vec<String> = ranges.chain(values).chain(shares).collect();
+    let is_known = !known.is_empty();
+    is_known.then(|| format!("{}; from {}", known.join(", "), shown(&facts.impact_source)))
 }
 
 fn mass(facts: &Facts) -> String {

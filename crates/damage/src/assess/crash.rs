@@ -7,7 +7,7 @@ use crate::crush::Crush;
 use crate::dynamics::{Impact, ImpactBody, Response, Surface};
 use crate::harm::{CandidateHarm, DeltaV};
 use crate::interval::{Interval, Range};
-use crate::parameters::{Parameters, Pick, factor};
+use crate::parameters::{PairParameters, Parameters, Pick, factor};
 use crate::party::{CollisionParty, Struck};
 use crate::plane::{LongFace, Plane, PlaneOrigin};
 use geometry::DVec3;
@@ -29,7 +29,9 @@ pub(super) struct Crash<'a> {
     pub(super) approach: &'a Approach,
     pub(super) plane: &'a Plane,
     pub(super) parties: [&'a CollisionParty; 2],
+    /// Known of every contact: speeds and normals.
     parameters: &'a Parameters,
+    pair: PairParameters,
     /// Velocity of A against B at the point of contact (m/s).
     velocity_m_s: DVec3,
     pub(super) nominal: Response,
@@ -66,7 +68,9 @@ impl<'a> Crash<'a> {
         let Encounter { approach, a, b, .. } = *encounter;
         let velocity_m_s = plane.velocity_m_s(approach);
         let nominal = Response::default();
-        let crash = Self { approach, plane, parties: [a, b], parameters, velocity_m_s, nominal };
+        let pair = parameters.of_pair([&a.own, &b.own]);
+        let crash =
+            Self { approach, plane, parties: [a, b], parameters, pair, velocity_m_s, nominal };
         Self { nominal: crash.respond(Picks::nominal(0)), ..crash }
     }
 
@@ -105,19 +109,18 @@ impl<'a> Crash<'a> {
 
     /// What they meet with.
     fn surface(&self, picks: Picks) -> Surface {
-        let parameters = self.parameters;
+        let pair = &self.pair;
         if self.long_face().is_some() {
             return Surface::Redirecting {
-                restitution: parameters.face_restitution.pick(picks.rest),
-                restitution_more: parameters.face_restitution_more,
-                tangential_share: parameters.face_tangential_share,
+                restitution: picks.rest.of(&pair.face_restitution),
+                restitution_more: pair.face_restitution_more,
+                tangential_share: pair.face_tangential_share,
             };
         }
-        let friction =
-            if self.plane.is_flat { parameters.flat_friction } else { parameters.friction };
+        let friction = if self.plane.is_flat { &pair.flat_friction } else { &pair.friction };
         Surface::Coupled {
-            restitution: parameters.restitution.pick(picks.rest),
-            friction: friction.pick(picks.friction),
+            restitution: picks.rest.of(&pair.restitution),
+            friction: picks.friction.of(friction),
         }
     }
 
@@ -137,8 +140,8 @@ impl<'a> Crash<'a> {
                 (Pick::Low, true) | (Pick::High, false) => Pick::High,
                 (Pick::Low, false) | (Pick::High, true) => Pick::Low,
             };
-            let mass = factor(self.parameters.mass_share, mass);
-            let gyration = factor(self.parameters.gyration_share, picks.gyration);
+            let mass = factor(self.pair.mass_share[p], mass);
+            let gyration = factor(self.pair.gyration_share[p], picks.gyration);
             ImpactBody {
                 inverse_mass: party.mass_kg.map_or(0.0, |m| 1.0 / (m * mass)),
                 // A fixed body does not turn; its gyration may be anything, even 0.
@@ -216,7 +219,7 @@ impl<'a> Crash<'a> {
             harm.yaw_rad_s[p][1] += response.delta_yaw_rad_s[p];
         }
         let stiffness_if_mobile = |party: &CollisionParty| party.mass_kg.map(|_| party.stiffness);
-        let plastic = 1.0 - self.parameters.restitution.nominal;
+        let plastic = 1.0 - self.pair.restitution.nominal;
         let energy_j = 0.5 * plastic * harm.normal_m_s * response.normal_n_s;
         harm.crush = Crush::of(
             self.parties.map(stiffness_if_mobile),

@@ -4,6 +4,7 @@ use super::*;
 use crate::dynamics::delta_v_at_most;
 use crate::parameters::Parameters;
 use crate::scene::head_on;
+use body::OwnParameters;
 
 /// A person's risk, the same at both ends.
 fn risk(id: usize, value: f64, range: [f64; 2]) -> Risk {
@@ -105,7 +106,8 @@ fn the_impulse_keeps_the_momentum_of_both_and_gives_the_change_of_velocity() {
 
 #[test]
 fn no_impact_changes_the_ego_more_than_its_bound() {
-    let parameters = Parameters::shipped().expect("sound");
+    let none = OwnParameters::default();
+    let parameters = Parameters::shipped().expect("sound").of_pair([&none, &none]);
     for across in [0.0, 0.3, 0.9, 1.4, 1.7] {
         for [vx, vy] in [[20.0, 0.0], [12.0, 5.0], [3.0, -8.0]] {
             for yaw_rad_s in [[0.0; 2], [0.5, -1.0]] {

@@ -35,3 +35,24 @@ fn unsound_files_are_refused_with_their_place() {
         assert!(fault.line >= 1 && !fault.remedy.is_empty(), "{to}: {fault}");
     }
 }
+
+/// What is known of a party takes the place of what holds for all.
+#[test]
+fn parties_have_parameters_of_their_own() {
+    let shipped = Parameters::shipped().expect("sound");
+    let range = |nominal: f64| Some(Setting { low: 0.0, nominal, high: 0.5 });
+    let none = OwnParameters::default();
+    let a = OwnParameters { restitution: range(0.2), mass_share: Some(0.02), ..none };
+    let b = OwnParameters { restitution: range(0.4), friction: range(0.5), ..none };
+    let usual = shipped.of_pair([&none, &none]);
+    assert_eq!((usual.restitution, usual.friction), (shipped.restitution, shipped.friction));
+    assert_eq!((usual.mass_share, usual.gyration_share), ([0.1; 2], [0.15; 2]));
+    let one = shipped.of_pair([&a, &none]);
+    assert_eq!((Some(one.restitution), one.friction), (a.restitution, shipped.friction));
+    assert_eq!(one.mass_share, [0.02, 0.1]);
+    let both = shipped.of_pair([&a, &b]);
+    assert!((both.restitution.nominal - 0.3).abs() < 1e-12);
+    assert_eq!((Some(both.friction), Some(both.flat_friction)), (b.friction, b.friction));
+    let turned = shipped.of_pair([&b, &a]);
+    assert_eq!((turned.restitution, turned.mass_share), (both.restitution, [0.1, 0.02]));
+}

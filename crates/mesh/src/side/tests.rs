@@ -23,6 +23,10 @@ fn every_fault_has_line_and_column() {
         ("occupants = [{ chair = 1 }]", "a.toml:1:16: unknown field `chair`"),
         ("name = \"\u{e9}\" mass", "a.toml:1:12: "),
         ("mass_kg = 1.0\nmass_kg = 2.0", "a.toml:2:1: duplicate key"),
+        ("\n[impact]\nmass_share = 0.1", "a.toml:2:1: what is known of its impacts has no source"),
+        ("source = \" \"\n[impact]\nmass_share = 0.1", "a.toml:2:1: what is known of its impacts"),
+        ("source = \"s\"\n[impact]\nslip = 0.1", "a.toml:3:1: unknown field `slip`"),
+        ("source = \"s\"\n[impact]\nfriction = 0.1", "a.toml:3:12: invalid type"),
     ];
     for (text, expected) in cases {
         let fault = SideFile::parse("a.toml", text).expect_err(text);
@@ -60,7 +64,8 @@ fn the_side_file_wins_and_is_named() {
     let mesh = body_of_size(4.5, 1.8, 1.4);
     let text = "name = \"taxi\"\nmass_kg = 1550.0\ncentre_m = [3.0, 0.0, 0.7]\n\
                 yaw_inertia_kg_m2 = 1053.5\noccupants = [{ seat = \"front-left\" }]\n\
-                source = \"a data sheet\"\n";
+                source = \"a data sheet\"\n\
+                [impact]\nrestitution = { low = 0.1, nominal = 0.2, high = 0.2 }\n";
     let side = SideFile::parse("cars/taxi.toml", text).expect("valid");
     let origin = Origin { name: "mesh", kind: BodyKind::Sedan, origin: "o", hash: "h" };
     let mut meta = assemble(origin, &mesh);
@@ -70,6 +75,9 @@ fn the_side_file_wins_and_is_named() {
     assert_eq!(meta.occupants.map(|them| them.len()), Some(1));
     let source = "mass, centre, yaw inertia, occupants from taxi.toml (a data sheet), else default";
     assert_eq!(meta.mass_source, source);
+    let own = meta.impact.restitution.map(|of| [of.low, of.nominal, of.high]);
+    assert_eq!((own, meta.impact.friction), (Some([0.1, 0.2, 0.2]), None));
+    assert_eq!(meta.impact_source, "taxi.toml (a data sheet)");
 }
 
 #[test]
@@ -80,6 +88,21 @@ fn a_side_file_that_does_not_fit_is_refused_at_its_place() {
             BodyKind::Sedan,
             "centre_m = [3.0, 0.0, 70.0]",
             "a.toml:1:12: centre_m [3.0, 0.0, 70.0] is far",
+        ),
+        (
+            BodyKind::Wall,
+            "source = \"s\"\n[impact]\nmass_share = 0.1",
+            "a.toml:2:1: a wall is fixed to the ground",
+        ),
+        (
+            BodyKind::Sedan,
+            "source = \"s\"\n[impact]\nfriction = { low = 0.2, nominal = 0.1, high = 0.3 }",
+            "a.toml:2:1: friction is not 0 ≤ low ≤ nominal ≤ high ≤ 10",
+        ),
+        (
+            BodyKind::Sedan,
+            "source = \"s\"\n[impact]\nface_tangential_share = 0.1",
+            "a.toml:2:1: a sedan has no long flat face",
         ),
         (BodyKind::Wall, "\nmass_kg = 100.0", "a.toml:2:11: a wall is fixed to the ground"),
         (BodyKind::Pole, "yaw_inertia_kg_m2 = 1.0", "a.toml:1:21: a pole is fixed to the ground"),

@@ -16,6 +16,8 @@ fn model_accepts(kind: BodyKind, mass_kg: Option<f64>, persons: &[Occupant]) -> 
         centre_m: [0.0; 3],
         gyration_m: 1.0,
         mass_source: String::new(),
+        impact: body::OwnParameters::default(),
+        impact_source: String::new(),
         occupants: Some(persons.to_vec()),
         parts: Vec::new(),
         origin: String::new(),

@@ -32,6 +32,8 @@ pub(crate) fn bodies() -> Vec<(Meta, BodyView<'static>)> {
         centre_m: [0.0; 3],
         gyration_m: 1.0,
         mass_source: String::new(),
+        impact: body::OwnParameters::default(),
+        impact_source: String::new(),
         occupants: None,
         parts: Vec::new(),
         origin: String::new(),

@@ -54,6 +54,10 @@ pub struct Facts {
     pub yaw_inertia_kg_m2: Option<f64>,
     /// Where the mass comes from.
     pub mass_source: String,
+    /// What is known of its impacts, in place of the parameters in force.
+    pub impact: body::OwnParameters,
+    /// Where that comes from; empty if nothing is known.
+    pub impact_source: String,
     /// Length and width of its outlines, without weak parts as mirrors (m).
     pub outline_m: Option<[f64; 2]>,
     /// Height of the leading edge of its front above the ground (m), if it has a front.
@@ -171,6 +175,8 @@ impl Facts {
             centre_m: meta.centre_m,
             gyration_m: meta.gyration_m,
             mass_source: meta.mass_source,
+            impact: meta.impact,
+            impact_source: meta.impact_source,
             outline_m: meta.outlines.size_m(),
             front_height_m: meta.front_height_m,
             occupants: meta.occupants.map(|all| all.iter().map(|one| one.seat).collect()),
