@@ -1,5 +1,5 @@
-//! The TOML file beside a mesh: its mass, centre of mass, inertia, seats and impacts as known to its
-//! maker.
+//! The TOML file beside a mesh: its mass, centre of mass, inertia, seats and impacts as known to
+//! its maker.
 //!
 //! ```toml
 //! name = "sedan"
