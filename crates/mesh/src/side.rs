@@ -15,7 +15,8 @@
 //! mass_share = 0.02               # the mass is known to 2 %
 //! ```
 //!
-//! Every key is optional, but `[impact]` needs a source; unknown keys are rejected. Errors give file, line and column.
+//! Every key is optional, but `[impact]` needs a source; unknown keys are rejected. Errors give
+//! file, line and column.
 
 use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
 use body::{BodyKind, Meta, OwnParameters};
