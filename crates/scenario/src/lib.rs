@@ -46,6 +46,7 @@ mod fault;
 mod fields;
 mod limit;
 pub mod live;
+pub mod members;
 mod names;
 mod raw;
 mod rules;
@@ -58,6 +59,7 @@ pub use decimal::decimal;
 pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
+pub use members::{Draw, Errors, Members, PartyDraw};
 pub use rules::capacity;
 pub use scenario::{
     CANDIDATES_MAX, CIRCLE_ERROR_M, Candidate, FileRef, GivenMotion, GivenState, Motion, Name,

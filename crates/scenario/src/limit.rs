@@ -56,6 +56,16 @@ pub(crate) const QUEUE: Limit<i64> = limit(1, 4096, "");
 pub(crate) const LEAF_SIZE: Limit<i64> = limit(1, 64, "");
 /// How many candidates a request may hold.
 pub(crate) const CANDIDATES: Limit<usize> = limit(1, 16, "");
+/// One is the scene as stated; a thousand are more than any planner has time for.
+pub(crate) const MEMBERS: Limit<i64> = limit(1, 1024, "");
+/// Exact, to as far as a street is wide: who knows less does not know where it is.
+pub(crate) const ERROR_M: Limit<f64> = limit(0.0, 10.0, " m");
+/// A quarter turn: who knows less does not know which way it goes.
+pub(crate) const ERROR_YAW_DEG: Limit<f64> = limit(0.0, 90.0, "°");
+/// From exact to unknown.
+pub(crate) const ERROR_SPEED_SHARE: Limit<f64> = limit(0.0, 0.5, "");
+/// A correlation.
+pub(crate) const CORRELATION: Limit<f64> = limit(-1.0, 1.0, "");
 /// What fits a line of a table, in characters.
 pub(crate) const NAME_CHARS: Limit<usize> = limit(1, 60, " characters");
 /// The longest path that the kernel opens, in bytes.

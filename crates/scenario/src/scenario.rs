@@ -27,6 +27,7 @@ use crate::document::TextPosition;
 use crate::engine::EngineSettings;
 use crate::error::{Misfit, ScenarioError};
 use crate::limit;
+use crate::members::{Errors, Members};
 use crate::rules;
 use body::{BodyKind, Fit, Seat, Shape};
 use geometry::motion::MotionPath;
@@ -117,6 +118,8 @@ pub struct Scenario {
     /// Within this distance (m), from 1e-5 to 0.1, contact that cannot be decided is possible and
     /// counts as contact.
     pub resolution_m: f64,
+    /// How many members are followed.
+    pub members: Members,
     /// All bodies, sorted by name; 2 to 33.
     pub parties: Vec<Party>,
     /// The manoeuvres to choose from, in the file's order; 1 to 16, names unique.
@@ -144,6 +147,8 @@ pub struct Party {
     pub is_unknown: bool,
     /// Stiffness A (N/m) and B (N/m²) for the check of depth.
     pub crush: Option<[f64; 2]>,
+    /// How well it is known.
+    pub errors: Errors,
     /// Where it may go, 1 to 3 motions in the file's order, with probabilities that sum to 1 within
     /// 1e-6; of the ego none, since its motion is in the candidates.
     pub predictions: Vec<Prediction>,

@@ -93,6 +93,7 @@ pub(crate) fn check(
         ego: PartyIndex(ask.ego as usize),
         horizon_s,
         resolution_m,
+        members: scenario::Members::NOMINAL,
         parties,
         candidates: request.candidates()?,
     };
@@ -265,6 +266,7 @@ impl Request<'_> {
                 .then(|| live::crush(party.crush))
                 .transpose()
                 .map_err(&beyond)?,
+            errors: scenario::Errors::usual(false),
             predictions: self.predictions(number, party)?,
         })
     }

@@ -224,6 +224,29 @@ impl MotionPath {
         Self::new(&[state, State { time_s: to_s, ..state }])
     }
 
+    /// The same path of a body that is always moved by this much in its own frame, forward and to the
+    /// left (m), level with the ground, and turned to the left by an angle (degrees).
+    ///
+    /// # Errors
+    ///
+    /// See [`MotionPath::new`].
+    pub fn offset(&self, [forward_m, left_m]: [f64; 2], yaw_deg: f64) -> Result<Self, PathError> {
+        let moved = |state: &State| {
+            let rotation = state.orientation.rotation();
+            // A body that stands on its nose has no heading: then it is not moved.
+            let (x, y) = (rotation[0][0], rotation[1][0]);
+            let length = libm::sqrt(x * x + y * y);
+            let (x, y) = if length > 1e-6 { (x / length, y / length) } else { (0.0, 0.0) };
+            let [p, q, z] = state.position_m;
+            State {
+                position_m: [p + (x * forward_m - y * left_m), q + (y * forward_m + x * left_m), z],
+                orientation: state.orientation.turned(DVec3::Z, yaw_deg.to_radians()),
+                ..*state
+            }
+        };
+        Self::new(&self.states.iter().map(moved).collect::<Vec<_>>())
+    }
+
     /// Its begin (s).
     #[must_use]
     pub fn from_s(&self) -> f64 {

@@ -9,6 +9,7 @@ use crate::error::{Misfit, ScenarioError};
 use crate::fault::{self, At, Fault};
 use crate::fields::{self, Head, PartyBody, WrittenBody};
 use crate::limit::{self, Show};
+use crate::members::{Errors, Members};
 use crate::names::{self, quoted};
 use crate::raw::Table;
 use crate::rules;
@@ -56,6 +57,7 @@ impl Checker<'_> {
         )?;
         let resolution_m =
             fields::number(raw.resolution_m, "resolution_m", limit::RESOLUTION_M, &root)?;
+        let members = members(raw.members, raw.members_max)?;
         let (parties, ego) = self.parties(raw.parties, raw.ego)?;
         let candidates = self.candidates(raw.candidates.unwrap_or_default(), &parties, ego)?;
         Ok(ScenarioDraft {
@@ -69,6 +71,7 @@ impl Checker<'_> {
             ego,
             horizon_s: self.horizon_s,
             resolution_m: resolution_m.unwrap_or(DEFAULT_RESOLUTION_M),
+            members,
             parties,
             candidates,
         })
@@ -82,11 +85,11 @@ impl Checker<'_> {
         fields::count_parties(raw.len(), limit::PARTIES)?;
         let parent = Path::default().key("parties");
         let mut parties = Vec::with_capacity(raw.len());
-        let mut motions = Vec::with_capacity(raw.len());
+        let mut written = Vec::with_capacity(raw.len());
         let mut persons = 0;
         for (key, Table(raw)) in raw {
             let path = parent.key(&key);
-            let (party, motion) = self.party(key, raw, &path)?;
+            let (party, motion, errors) = self.party(key, raw, &path)?;
             persons += party.occupancy.count().unwrap_or(0);
             if persons > limit::SCENARIO_OCCUPANTS_MAX {
                 let fault = format!("up to here there are {persons} persons");
@@ -95,16 +98,18 @@ impl Checker<'_> {
                 return Err(Misfit::new("persons", fault, help)).at(&path.key("persons"));
             }
             parties.push(DraftParty { party, predictions: Vec::new() });
-            motions.push(motion);
+            written.push((motion, errors));
         }
         let known = parties
             .iter()
             .map(|DraftParty { party, .. }| (party.name.as_str(), &party.source, party.is_unknown));
         let ego = fields::ego(ego.as_deref(), known)?;
-        for (index, (draft, motion)) in parties.iter_mut().zip(motions).enumerate() {
+        for (index, (draft, (motion, errors))) in parties.iter_mut().zip(written).enumerate() {
             let path = parent.key(&draft.party.name);
             let kind = draft.party.source.kind();
-            if PartyIndex(index) == ego {
+            let is_ego = PartyIndex(index) == ego;
+            draft.party.errors = errors_of(errors, is_ego, &path.key("errors"))?;
+            if is_ego {
                 motion.has_none(&draft.party.name, &path)?;
             } else {
                 draft.predictions = self.predictions(motion, &draft.party.name, kind, &path)?;
@@ -113,13 +118,13 @@ impl Checker<'_> {
         Ok((parties, ego))
     }
 
-    /// A party without its motions, and these as written.
+    /// A party without its motions and errors, and these as written.
     fn party(
         &self,
         key: String,
         raw: raw::Party,
         path: &Path,
-    ) -> Result<(Party, WrittenMotion), Fault> {
+    ) -> Result<(Party, WrittenMotion, Option<Table<raw::Errors>>), Fault> {
         let raw::Party {
             file,
             generate,
@@ -130,6 +135,7 @@ impl Checker<'_> {
             empty,
             responsibility,
             crush,
+            errors,
             place,
             state,
             paths,
@@ -155,9 +161,10 @@ impl Checker<'_> {
             responsibility: body.responsibility,
             is_unknown: body.is_unknown,
             crush: body.crush,
+            errors: Errors::usual(false),
             predictions: Vec::new(),
         };
-        Ok((party, WrittenMotion { place, state, paths: paths.unwrap_or_default() }))
+        Ok((party, WrittenMotion { place, state, paths: paths.unwrap_or_default() }, errors))
     }
 
     /// The motions of a party other than the ego, with their probabilities.
@@ -395,6 +402,38 @@ impl WrittenMotion {
 }
 
 /// Who is in a body of this kind, if that is known.
+/// How many members a scenario asks for.
+fn members(count: Option<i64>, most: Option<i64>) -> Result<Members, Fault> {
+    let members = Members::new(count.unwrap_or(1), most);
+    members.map_err(|misfit| Fault { path: Path::default().key(misfit.setting), misfit })
+}
+
+/// How well a party is known.
+fn errors_of(
+    written: Option<Table<raw::Errors>>,
+    is_ego: bool,
+    path: &Path,
+) -> Result<Errors, Fault> {
+    let usual = Errors::usual(is_ego);
+    let Some(Table(raw)) = written else { return Ok(usual) };
+    let number = |value, setting, limit, usual: f64| {
+        Ok::<_, Fault>(fields::number(value, setting, limit, path)?.unwrap_or(usual))
+    };
+    let (lateral, longitudinal) = (usual.lateral_m, usual.longitudinal_m);
+    Ok(Errors {
+        lateral_m: number(raw.lateral_m, "lateral_m", limit::ERROR_M, lateral)?,
+        longitudinal_m: number(raw.longitudinal_m, "longitudinal_m", limit::ERROR_M, longitudinal)?,
+        correlation: number(raw.correlation, "correlation", limit::CORRELATION, 0.0)?,
+        yaw_deg: number(raw.yaw_deg, "yaw_deg", limit::ERROR_YAW_DEG, usual.yaw_deg)?,
+        speed_share: number(
+            raw.speed_share,
+            "speed_share",
+            limit::ERROR_SPEED_SHARE,
+            usual.speed_share,
+        )?,
+    })
+}
+
 fn occupancy(
     persons: Option<Vec<Table<raw::Person>>>,
     empty: Option<bool>,

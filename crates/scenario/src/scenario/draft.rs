@@ -9,6 +9,7 @@ use super::{
 use crate::document::TextPosition;
 use crate::engine::EngineSettings;
 use crate::error::ScenarioError;
+use crate::members::Members;
 use crate::rules;
 use crate::scenario::{FileRef, Name, PartyIndex};
 use body::BodyKind;
@@ -53,6 +54,7 @@ pub struct ScenarioDraft {
     pub(super) ego: PartyIndex,
     pub(super) horizon_s: f64,
     pub(super) resolution_m: f64,
+    pub(super) members: Members,
     pub(super) parties: Vec<DraftParty>,
     pub(super) candidates: Vec<DraftCandidate>,
 }
@@ -177,6 +179,7 @@ impl ScenarioDraft {
             ego,
             horizon_s,
             resolution_m: self.resolution_m,
+            members: self.members,
             parties: finished,
             candidates: ways,
         };

@@ -52,6 +52,12 @@ pub(crate) fn motion(
 
 /// The path through these states, cut or continued.
 pub(super) fn through(rows: &[GivenState], horizon_s: f64) -> Result<Followed, RowFault> {
+    let (states, velocity) = followed(rows, horizon_s)?;
+    until(states, velocity, horizon_s).map_err(leads_astray)
+}
+
+/// The states that a path goes through, and the velocity (m/s) with which it goes on.
+fn followed(rows: &[GivenState], horizon_s: f64) -> Result<(Vec<State>, DVec3), RowFault> {
     let kept = without_repeats(rows)?;
     let &[(_, first), .., (last_index, last)] = &kept[..] else {
         return match kept[..] {
@@ -67,8 +73,7 @@ pub(super) fn through(rows: &[GivenState], horizon_s: f64) -> Result<Followed, R
     if let Some([x, y]) = last.velocity_m_s {
         velocity = DVec3::new(x, y, velocity.z);
     }
-    let states = kept.iter().map(|(_, row)| row.state(horizon_s));
-    until(states.collect(), velocity, horizon_s).map_err(leads_astray)
+    Ok((kept.iter().map(|(_, row)| row.state(horizon_s)).collect(), velocity))
 }
 
 const NO_STATES: &str = "write states = [{ t_s = 0, position_m = [x, y, z] }, …]";
@@ -160,16 +165,19 @@ fn begins_and_lasts(
     Ok(())
 }
 
-/// The path from a single state, which must give its velocity.
-fn from_one(index: usize, row: GivenState, horizon_s: f64) -> Result<Followed, RowFault> {
+/// A single state, which must give its velocity.
+fn from_one(
+    index: usize,
+    row: GivenState,
+    horizon_s: f64,
+) -> Result<(Vec<State>, DVec3), RowFault> {
     begins_and_lasts(row.time_s, index, row.time_s, index)?;
     let Some([x, y]) = row.velocity_m_s else {
         let fault = "a path of one state does not say how the body moves".to_owned();
         let help = "add velocity_m_s, or a second state";
         return wrong(Some(index), "velocity_m_s", fault, help);
     };
-    let velocity = DVec3::new(x, y, 0.0);
-    until(vec![row.state(horizon_s)], velocity, horizon_s).map_err(leads_astray)
+    Ok((vec![row.state(horizon_s)], DVec3::new(x, y, 0.0)))
 }
 
 fn leads_astray(error: PathError) -> RowFault {
@@ -202,6 +210,36 @@ fn until(mut states: Vec<State>, velocity: DVec3, horizon_s: f64) -> Result<Foll
     let ends = [0.0, horizon_s].map(|time_s| whole.state_at(time_s));
     let cut: Vec<State> = [ends[0]].into_iter().chain(within).chain([ends[1]]).collect();
     Ok((MotionPath::new(&cut)?, ends_s))
+}
+
+/// The path of a motion that is faster by a factor from time 0 on: what it did at a time t it does at
+/// t over the factor.
+pub(crate) fn faster(
+    motion: &Motion,
+    factor: f64,
+    horizon_s: f64,
+) -> Result<MotionPath, PathError> {
+    if factor == 1.0 {
+        return Ok(motion.path.clone());
+    }
+    let too_fast = |_: Misfit| PathError::Fast(0);
+    match &motion.given {
+        GivenMotion::Place { .. } => Ok(motion.path.clone()),
+        GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s } => onward(
+            *position_m,
+            *angles_deg,
+            velocity_m_s.map(|speed| speed * factor),
+            yaw_rate_deg_s * factor,
+            horizon_s,
+        )
+        .map_err(too_fast),
+        GivenMotion::States(rows) => {
+            let (kept, velocity) = followed(rows, horizon_s).map_err(|_| PathError::Short)?;
+            let sooner = |state: State| State { time_s: state.time_s / factor, ..state };
+            let states = kept.into_iter().map(sooner).collect();
+            Ok(until(states, velocity * factor, horizon_s)?.0)
+        }
+    }
 }
 
 /// The path of a body that goes on as it moves now.

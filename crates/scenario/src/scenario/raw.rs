@@ -48,6 +48,14 @@ pub(crate) struct Scenario {
     /// Default 0.001.
     #[schemars(range(min = limit::RESOLUTION_M.least, max = limit::RESOLUTION_M.most))]
     pub(crate) resolution_m: Option<f64>,
+    /// In how many members of what is known only up to errors the candidates are followed; 1: in the
+    /// scene as stated alone. Default 1.
+    #[schemars(range(min = limit::MEMBERS.least, max = limit::MEMBERS.most))]
+    pub(crate) members: Option<i64>,
+    /// How many members there are at most: they are doubled while the best two candidates differ by
+    /// less than the sampling error. Default 128, or members, if these are more.
+    #[schemars(range(min = limit::MEMBERS.least, max = limit::MEMBERS.most))]
+    pub(crate) members_max: Option<i64>,
     /// Which party is the automated vehicle. Default "ego".
     pub(crate) ego: Option<String>,
     #[serde(default)]
@@ -98,6 +106,7 @@ pub(crate) struct Party {
     #[schemars(range(min = limit::SHARE.least, max = limit::SHARE.most))]
     pub(crate) responsibility: Option<f64>,
     pub(crate) crush: Option<Table<Crush>>,
+    pub(crate) errors: Option<Table<Errors>>,
     pub(crate) place: Option<Table<Place>>,
     pub(crate) state: Option<Table<State>>,
     /// Where it may go, 1 to 3 paths; their probabilities sum to 1. All begin at 0 s at one pose.
@@ -115,6 +124,28 @@ pub(crate) struct Person {
     /// How many persons, 1 on a given seat. Default 1.
     #[schemars(range(min = limit::OCCUPANTS.least, max = limit::OCCUPANTS.most))]
     pub(crate) count: Option<i64>,
+}
+
+/// How well a party is known: standard deviations, of which members are drawn. Of what is fixed to
+/// the ground only its position is drawn.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Errors {
+    /// To its left [m]. Default 0.2.
+    #[schemars(range(min = limit::ERROR_M.least, max = limit::ERROR_M.most))]
+    pub(crate) lateral_m: Option<f64>,
+    /// Along its x axis [m]. Default 0.3.
+    #[schemars(range(min = limit::ERROR_M.least, max = limit::ERROR_M.most))]
+    pub(crate) longitudinal_m: Option<f64>,
+    /// Correlation of these two. Default 0.
+    #[schemars(range(min = limit::CORRELATION.least, max = limit::CORRELATION.most))]
+    pub(crate) correlation: Option<f64>,
+    /// Yaw [degrees]. Default 2.
+    #[schemars(range(min = limit::ERROR_YAW_DEG.least, max = limit::ERROR_YAW_DEG.most))]
+    pub(crate) yaw_deg: Option<f64>,
+    /// Share of its speed. Default 0.05 of the ego, 0.1 of others.
+    #[schemars(range(min = limit::ERROR_SPEED_SHARE.least, max = limit::ERROR_SPEED_SHARE.most))]
+    pub(crate) speed_share: Option<f64>,
 }
 
 /// Where a body stands still until the horizon.

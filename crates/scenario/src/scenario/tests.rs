@@ -24,6 +24,8 @@ parameters = "parameters/ours.toml"
 deadline_ms = 50
 horizon_s = 4
 resolution_m = 0.002
+members = 8
+members_max = 64
 ego = "car"
 [engine]
 workers = 2
@@ -37,7 +39,6 @@ queue = 32
 build = "sah"
 leaf_size = 2
 seed = 7
-
 [parties.car]
 mass_kg = 1500
 responsibility = 0.5
@@ -49,7 +50,6 @@ seed = 4
 seat = "front-left"
 [[parties.car.persons]]
 count = 2
-
 [parties.post]
 size_m = [0.3, 0.25]
 empty = true
@@ -120,6 +120,13 @@ yaw_deg = 177.5
 pitch_deg = 0.375
 roll_deg = 0.188
 speed_m_s = 0
+
+[parties.car.errors]
+lateral_m = 0.1
+longitudinal_m = 0.2
+correlation = -0.5
+yaw_deg = 1
+speed_share = 0.03
 "#;
 
 /// What only this form reads, or reads otherwise.
@@ -393,7 +400,7 @@ fn the_main_faults_read_like_this() {
         ),
         (
             ("count = 2", "age = 2"),
-            "f.toml:33:1: \"age\" of a person is not an input\n  help: persons carry seat and \
+            "f.toml:34:1: \"age\" of a person is not an input\n  help: persons carry seat and \
              count only: who somebody is never weighs in a ranking",
         ),
     ];

@@ -35,7 +35,7 @@ fn motions_and_probabilities_must_fit_each_other() {
         (
             "mass_kg = 1500",
             "place = { position_m = [0, 0, 0] }",
-            "24:9: party \"car\" is the ego: its motion is in the candidates",
+            "25:9: party \"car\" is the ego: its motion is in the candidates",
         ),
         ("csv = \"ego.csv\"", "", "97:1: the path has neither states nor csv"),
         (
@@ -282,9 +282,9 @@ fn kinds_are_checked_again_when_the_files_are_open() {
     let error = refused(&kinds(BodyKind::Suv, BodyKind::Wall));
     assert_eq!((error.place.line, error.what.contains("cannot move")), (73, true), "{error}");
     let error = refused(&[BodyKind::Cyclist, BodyKind::Pole, BodyKind::Suv, BodyKind::Suv]);
-    assert_eq!((error.place.line, error.what.contains("be the ego")), (23, true), "{error}");
+    assert_eq!((error.place.line, error.what.contains("be the ego")), (24, true), "{error}");
     let error = refused(&[BodyKind::Motorcycle, BodyKind::Pole, BodyKind::Suv, BodyKind::Suv]);
-    assert_eq!((error.place.line, error.what.contains("no seat")), (23, true), "{error}");
+    assert_eq!((error.place.line, error.what.contains("no seat")), (24, true), "{error}");
     let error = scenario.check_fixed("f.toml").unwrap_err();
     assert_eq!((error.place.line, error.what.contains("unknown kind")), (73, true), "{error}");
 

@@ -69,6 +69,7 @@ fn the_schema_describes_every_key_and_its_unit() {
         "generate",
         "persons",
         "crush",
+        "errors",
         "place",
         "state",
         "paths",

@@ -1,0 +1,195 @@
+//! Members: what a planner knows only up to errors, drawn.
+//!
+//! A *member* is one draw of where everybody may really be: per party a constant offset in its own
+//! frame, a constant factor on its speed, and one of its predicted motions. Member m is point m of
+//! a scrambled Sobol sequence of a fixed seed (B. Burley, *Practical Hash-based Owen Scrambling*,
+//! JCGT 9(4), 2020), so members are the same for all candidates, on every machine, and those of a
+//! smaller number are the first of a larger one.
+//!
+//! Offsets are normal. The factor on speed is log-normal, so that nobody drives backwards. The
+//! predicted motion is the one in whose share of \[0, 1) a coordinate lies: stratified by
+//! probability.
+
+use crate::error::Misfit;
+use crate::limit;
+use crate::scenario::{Motion, Scenario, path};
+use geometry::motion::{MotionPath, PathError};
+
+mod normal;
+#[cfg(test)]
+mod tests;
+
+/// How many members there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Members {
+    /// At first; 1: the scene as stated, nothing is drawn.
+    pub count: u32,
+    /// At most, where they are doubled because the best two are too close to call.
+    pub most: u32,
+}
+
+/// Standard deviations of what is known of a party.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// To its left (m).
+    pub lateral_m: f64,
+    /// Along its x axis (m).
+    pub longitudinal_m: f64,
+    /// Correlation of the two, -1 to 1.
+    pub correlation: f64,
+    /// Yaw (degrees).
+    pub yaw_deg: f64,
+    /// Share of its speed.
+    pub speed_share: f64,
+}
+
+/// What is drawn of one party.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartyDraw {
+    /// Offset along its x axis (m).
+    pub longitudinal_m: f64,
+    /// Offset to its left (m).
+    pub lateral_m: f64,
+    /// Offset of its yaw (degrees).
+    pub yaw_deg: f64,
+    /// Factor on its speed, above 0.
+    pub speed_factor: f64,
+    /// Which predicted motion it takes, as a share of their probabilities: in [0, 1).
+    pub choice: f64,
+}
+
+/// A member.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draw {
+    /// Per party of the scenario.
+    pub parties: Vec<PartyDraw>,
+    /// How the velocity after a heavy contact is turned, to the left (degrees).
+    pub run_out_turn_deg: f64,
+    /// How hard a run-out is braked, as a share of the way from the least to the most: in [0, 1).
+    pub run_out_share: f64,
+}
+
+/// Standard deviation of the direction of a run-out (degrees): -4.8 to 10.4 in MASH crash tests.
+const RUN_OUT_TURN_DEG: f64 = 9.0;
+
+/// Coordinates of a point: those of the ego, then as many of each other party, then the run-out.
+const OF_EGO: u32 = 4;
+const OF_OTHER: u32 = 5;
+const RUN_OUT: u32 = OF_EGO + OF_OTHER * (limit::PARTIES.most as u32 - 1);
+
+impl Members {
+    /// The scene as stated.
+    pub const NOMINAL: Self = Self { count: 1, most: 1 };
+
+    /// How many are the most where nothing is said.
+    #[must_use]
+    pub fn usual_most(count: u32) -> u32 {
+        if count == 1 { 1 } else { count.max(128) }
+    }
+
+    /// So many members, and at most so many; `None`: [`Members::usual_most`].
+    ///
+    /// # Errors
+    ///
+    /// If there are none, more than 1,024, or fewer at most than at first.
+    pub fn new(count: i64, most: Option<i64>) -> Result<Self, Misfit> {
+        let count = limit::MEMBERS.whole::<u32>("members", count)?;
+        let Some(most) = most else { return Ok(Self { count, most: Self::usual_most(count) }) };
+        let most = limit::MEMBERS.whole::<u32>("members_max", most)?;
+        if count == 1 && most > 1 {
+            let fault = "members_max is written, and nothing is drawn".to_owned();
+            return Err(Misfit::new("members_max", fault, "write members = 2 or more, too"));
+        }
+        if most < count {
+            let fault = format!("members_max is {most}, and members is {count}");
+            return Err(Misfit::new("members_max", fault, "write at least as many as members"));
+        }
+        Ok(Self { count, most })
+    }
+
+    /// Whether nothing is drawn.
+    #[must_use]
+    pub fn is_nominal(&self) -> bool {
+        self.count == 1
+    }
+}
+
+impl Errors {
+    /// Where nothing is stated of a party: what trackers and localisation reach (our assumption).
+    #[must_use]
+    pub fn usual(is_ego: bool) -> Self {
+        Self {
+            lateral_m: 0.2,
+            longitudinal_m: 0.3,
+            correlation: 0.0,
+            yaw_deg: 2.0,
+            speed_share: if is_ego { 0.05 } else { 0.1 },
+        }
+    }
+}
+
+impl PartyDraw {
+    /// The party as stated.
+    pub const NOMINAL: Self =
+        Self { longitudinal_m: 0.0, lateral_m: 0.0, yaw_deg: 0.0, speed_factor: 1.0, choice: 0.0 };
+
+    /// The same of what is fixed to the ground: it stands as stated, somewhere else.
+    #[must_use]
+    pub fn of_fixed(self) -> Self {
+        Self { yaw_deg: 0.0, speed_factor: 1.0, ..self }
+    }
+
+    fn of(errors: &Errors, at: impl Fn(u32) -> f64, [lateral, speed, long, yaw]: [u32; 4]) -> Self {
+        let [a, b] = [lateral, long].map(|dimension| normal::quantile(at(dimension)));
+        let own = (1.0 - errors.correlation * errors.correlation).max(0.0).sqrt();
+        Self {
+            lateral_m: errors.lateral_m * a + 0.0,
+            longitudinal_m: errors.longitudinal_m * (errors.correlation * a + own * b) + 0.0,
+            yaw_deg: errors.yaw_deg * normal::quantile(at(yaw)) + 0.0,
+            speed_factor: libm::exp(errors.speed_share * normal::quantile(at(speed))),
+            choice: 0.0,
+        }
+    }
+}
+
+/// The seed of the sequence.
+const SEED: u32 = 2018;
+
+impl Scenario {
+    /// Point `number` of the sequence, as a member.
+    #[must_use]
+    pub fn draw(&self, number: u32) -> Draw {
+        let at = |dimension: u32| f64::from(sobol_burley::sample(number, dimension, SEED));
+        let mut before = OF_EGO;
+        let parties = self.parties.iter().enumerate().map(|(index, party)| {
+            if index == self.ego.0 {
+                return PartyDraw::of(&party.errors, at, [0, 1, 2, 3]);
+            }
+            let first = before;
+            before += OF_OTHER;
+            let draw = PartyDraw::of(&party.errors, at, [first + 1, first, first + 2, first + 3]);
+            PartyDraw { choice: at(first + 4), ..draw }
+        });
+        Draw {
+            parties: parties.collect(),
+            run_out_turn_deg: RUN_OUT_TURN_DEG * normal::quantile(at(RUN_OUT)) + 0.0,
+            run_out_share: at(RUN_OUT + 1),
+        }
+    }
+}
+
+impl Motion {
+    /// The path of the motion with a draw: faster or slower from time 0 on, and moved and turned in
+    /// the body's frame, wherever it is.
+    ///
+    /// # Errors
+    ///
+    /// If it leads too far, or too fast, for a path.
+    pub fn drawn(&self, draw: &PartyDraw, horizon_s: f64) -> Result<MotionPath, PathError> {
+        let path = path::faster(self, draw.speed_factor, horizon_s)?;
+        if [draw.longitudinal_m, draw.lateral_m, draw.yaw_deg] == [0.0; 3] {
+            return Ok(path);
+        }
+        path.offset([draw.longitudinal_m, draw.lateral_m], draw.yaw_deg)
+    }
+}
