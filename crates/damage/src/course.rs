@@ -21,8 +21,10 @@ use serde::Serialize;
 /// From this change of the ego's velocity on contact is heavy (m/s): about what triggers the event
 /// recorder of a car.
 pub const HEAVY_M_S: f64 = 2.2;
-/// Deceleration of a run-out (m/s²): half of gravity, within the 0.3 to 0.7 of crashed cars.
+/// Deceleration of a run-out (m/s²): half of gravity ...
 pub const RUN_OUT_M_S2: f64 = 0.5 * 9.806_65;
+/// ... within the 0.3 to 0.7 of crashed cars.
+pub const RUN_OUT_RANGE_M_S2: [f64; 2] = [0.3 * 9.806_65, 0.7 * 9.806_65];
 /// A longer run-out (m) is flagged: on such a way a driver would have done something.
 pub const RUN_OUT_LONG_M: f64 = 30.0;
 /// After a light contact the search for another one with the same party goes on from this much
@@ -56,15 +58,28 @@ impl Severity {
 pub struct RunOut {
     /// Velocity after the impact, horizontal, in the world (m/s).
     pub velocity_m_s: [f64; 2],
+    /// Its deceleration (m/s²), above 0.
+    pub deceleration_m_s2: f64,
 }
 
 impl RunOut {
     /// From the velocity before the impact, the impulse on the ego (N s), both in the world, and
-    /// the ego's mass (kg).
+    /// the ego's mass (kg); with [`RUN_OUT_M_S2`].
     #[must_use]
     pub fn after(velocity_m_s: DVec3, impulse_n_s: DVec3, mass_kg: f64) -> Self {
         let after = velocity_m_s + impulse_n_s * (1.0 / mass_kg);
-        Self { velocity_m_s: [after.x + 0.0, after.y + 0.0] }
+        Self { velocity_m_s: [after.x + 0.0, after.y + 0.0], deceleration_m_s2: RUN_OUT_M_S2 }
+    }
+
+    /// The same, turned to the left (degrees), with the deceleration at this share of its range.
+    #[must_use]
+    pub fn drawn(&self, turn_deg: f64, share: f64) -> Self {
+        let (sin, cos) = libm::sincos(turn_deg.to_radians());
+        let ([x, y], [least, most]) = (self.velocity_m_s, RUN_OUT_RANGE_M_S2);
+        Self {
+            velocity_m_s: [x * cos - y * sin, x * sin + y * cos],
+            deceleration_m_s2: least + (most - least) * share,
+        }
     }
 
     /// Speed at its begin (m/s).
@@ -77,7 +92,7 @@ impl RunOut {
     /// How long it lasts (s).
     #[must_use]
     pub fn lasts_s(&self) -> f64 {
-        self.speed_m_s() / RUN_OUT_M_S2
+        self.speed_m_s() / self.deceleration_m_s2
     }
 
     /// How long it is (m).
@@ -94,7 +109,7 @@ impl RunOut {
         if speed <= 0.0 {
             return [0.0; 2];
         }
-        let length = speed * t - 0.5 * RUN_OUT_M_S2 * t * t;
+        let length = speed * t - 0.5 * self.deceleration_m_s2 * t * t;
         self.velocity_m_s.map(|v| v * (length / speed))
     }
 }

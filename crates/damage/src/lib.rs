@@ -101,6 +101,7 @@ pub mod crush;
 pub mod curve;
 pub mod dynamics;
 pub mod evidence;
+pub mod expected;
 pub mod fault;
 pub mod harm;
 pub mod injury;

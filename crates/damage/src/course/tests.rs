@@ -86,7 +86,13 @@ fn a_run_out_is_braked_to_rest() {
     // The way is travelled at the speed that is left: its slope at the begin is the velocity.
     let early = run_out.travel_m(1e-6);
     assert!((early[0] / 1e-6 - 10.0).abs() < 1e-4 && (early[1] / 1e-6 - 2.0).abs() < 1e-4);
-    assert_eq!(RunOut { velocity_m_s: [0.0; 2] }.travel_m(3.0), [0.0; 2]);
+    assert_eq!(RunOut { velocity_m_s: [0.0; 2], ..run_out }.travel_m(3.0), [0.0; 2]);
+    let drawn = run_out.drawn(90.0, 0.5);
+    assert!((drawn.speed_m_s() - run_out.speed_m_s()).abs() < 1e-12);
+    assert!((drawn.lasts_s() - run_out.lasts_s()).abs() < 1e-12, "the middle is the usual one");
+    let [[x, y], [p, q]] = [run_out.travel_m(0.5), drawn.travel_m(0.5)];
+    assert!((p + y).abs() < 1e-12 && (q - x).abs() < 1e-12, "it goes to the left");
+    assert!(run_out.drawn(0.0, 0.0).length_m() > run_out.drawn(0.0, 1.0).length_m());
 }
 
 #[test]

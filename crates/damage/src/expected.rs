@@ -1,0 +1,195 @@
+//! Expected harm: the mean over members, how far it can be trusted, and who is best in how many.
+//!
+//! Each *person's* risk is averaged over the members first, then the policy's rules are applied:
+//! a mean of worst-off persons would be of nobody. An interval of a mean is the mean of intervals,
+//! so it stays proven.
+//!
+//! The sampling error is s/√N, of independent draws: members are drawn more evenly than that, so
+//! it is rather too large than too small.
+
+use crate::assess::Risk;
+use crate::course::CourseHarm;
+use crate::interval::{Interval, Range};
+use crate::policy::Policy;
+use crate::rank::{Place, RankError, RankedCandidates, Scratch, rank_in};
+use crate::rule::{Others, Stake};
+use serde::Serialize;
+
+/// How the leading measure of a candidate is spread over members.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Sampling error of its mean.
+    pub error: f64,
+    /// What it is below in 5, 50 and 95 % of the members.
+    pub quantiles: [f64; 3],
+    /// The share of members in which this candidate is best under the whole policy; where several
+    /// are equally good, each has its part.
+    pub best: f64,
+    /// How much more it is than that of the best of each member, in the mean.
+    pub regret: f64,
+}
+
+/// By how much the best two differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Lead {
+    /// The mean of the second's leading measure less the first's.
+    pub mean: f64,
+    /// Its sampling error, of the paired difference.
+    pub error: f64,
+}
+
+impl Lead {
+    /// Whether the two are too close to call.
+    #[must_use]
+    pub fn is_close(&self) -> bool {
+        self.mean.abs() < self.error
+    }
+}
+
+/// The spread of every candidate, and the lead of the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spreads {
+    /// Per candidate, in the order of the request.
+    pub candidates: Vec<Spread>,
+    /// `None` of a single candidate.
+    pub lead: Option<Lead>,
+}
+
+/// The mean of some courses of one candidate: whatever is open in one is open in the mean.
+///
+/// Without courses it is a course without contact.
+#[must_use]
+pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm> + Clone) -> CourseHarm {
+    let count = courses.clone().count();
+    if count <= 1 {
+        return courses.cloned().next().unwrap_or_default();
+    }
+    let mut sum = CourseHarm::none();
+    for course in courses {
+        for risk in &course.persons {
+            let at = sum.persons.partition_point(|known| known.id < risk.id);
+            match sum.persons.get_mut(at).filter(|known| known.id == risk.id) {
+                Some(known) => *known = plus(known, risk),
+                None => sum.persons.insert(at, *risk),
+            }
+        }
+        sum.energy_j = added(sum.energy_j, course.energy_j);
+        let Others { all, vulnerable, uninvolved } = &mut sum.others;
+        let groups = [all, vulnerable, uninvolved];
+        let more = [course.others.all, course.others.vulnerable, course.others.uninvolved];
+        for (group, more) in groups.into_iter().zip(more) {
+            *group = (group.0.max(more.0), group.1 + more.1);
+        }
+        sum.is_open |= course.is_open;
+        sum.is_unevaluable |= course.is_unevaluable;
+    }
+    let share = 1.0 / count as f64;
+    let of = |interval: Interval, most: f64| interval.map(|x| (x * share).min(most));
+    for risk in &mut sum.persons {
+        let work = of(risk.work, 1.0);
+        let [low, high] = [risk.range.low(), risk.range.high()].map(|x| (x * share).min(1.0));
+        *risk = Risk {
+            work,
+            range: Range::new(low, high.max(low)).around(work),
+            high: of(risk.high, 1.0),
+            ..*risk
+        };
+    }
+    sum.energy_j = of(sum.energy_j, f64::INFINITY);
+    for group in [&mut sum.others.all, &mut sum.others.vulnerable, &mut sum.others.uninvolved] {
+        group.1 *= share;
+    }
+    sum
+}
+
+fn added(a: Interval, b: Interval) -> Interval {
+    Interval::new(a.lo() + b.lo(), a.hi() + b.hi())
+}
+
+fn plus(a: &Risk, b: &Risk) -> Risk {
+    Risk {
+        id: a.id,
+        work: added(a.work, b.work),
+        range: Range::new(a.range.low() + b.range.low(), a.range.high() + b.range.high()),
+        high: added(a.high, b.high),
+    }
+}
+
+/// Mean and sampling error of some figures.
+fn sampled(figures: &[f64]) -> (f64, f64) {
+    let count = figures.len() as f64;
+    let mean = figures.iter().sum::<f64>() / count;
+    if figures.len() < 2 {
+        return (mean, 0.0);
+    }
+    let squares: f64 = figures.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (mean, (squares / (count - 1.0) / count).sqrt())
+}
+
+/// The figure that a share of them is at most, of figures in ascending order.
+fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let at = (share * ascending.len() as f64).ceil() as usize;
+    ascending[at.clamp(1, ascending.len()) - 1]
+}
+
+/// How candidates are spread over members. `harms[m][k]` is candidate k in member m, with nothing
+/// open; `order` has the candidates in the order of their means.
+///
+/// # Errors
+///
+/// As [`crate::rank()`].
+///
+/// # Panics
+///
+/// If there is no member, or members have other numbers of candidates.
+pub fn spreads(
+    policy: &Policy,
+    stakes: &[Stake],
+    harms: &[Vec<CourseHarm>],
+    order: &[usize],
+) -> Result<Spreads, RankError> {
+    let (count, candidates) = (harms.len(), order.len());
+    let mut leading = vec![Vec::with_capacity(count); candidates];
+    let mut best = vec![0.0; candidates];
+    let mut regret = vec![0.0; candidates];
+    let (mut scratch, mut ranking) = (Scratch::default(), RankedCandidates::default());
+    for harms in harms {
+        rank_in(&mut scratch, policy, stakes, harms, &mut ranking)?;
+        let first = &ranking.places[0];
+        let equal = |place: &&Place| place.steps == first.steps;
+        let ties = ranking.places.iter().take_while(equal).count();
+        for place in &ranking.places[..ties] {
+            best[place.candidate] += 1.0 / ties as f64;
+        }
+        let least =
+            ranking.places.iter().map(|place| place.work.hi()).fold(f64::INFINITY, f64::min);
+        for place in &ranking.places {
+            leading[place.candidate].push(place.work.hi());
+            regret[place.candidate] += place.work.hi() - least;
+        }
+    }
+    let share = 1.0 / count as f64;
+    let spread = |k: usize| {
+        let mut ascending = leading[k].clone();
+        ascending.sort_by(f64::total_cmp);
+        Spread {
+            error: sampled(&leading[k]).1,
+            quantiles: [0.05, 0.5, 0.95].map(|share| quantile(&ascending, share)),
+            best: best[k] * share,
+            regret: regret[k] * share,
+        }
+    };
+    let lead = match order {
+        [first, second, ..] => {
+            let pairs = leading[*first].iter().zip(&leading[*second]);
+            let apart: Vec<f64> = pairs.map(|(first, second)| second - first).collect();
+            let (mean, error) = sampled(&apart);
+            Some(Lead { mean, error })
+        }
+        _ => None,
+    };
+    Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead })
+}
+
+#[cfg(test)]
+mod tests;
