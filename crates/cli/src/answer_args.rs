@@ -43,6 +43,14 @@ pub(crate) struct LimitArgs {
     /// `deadline_ms`. The clock starts when the bodies are sealed and the workers are ready.
     #[arg(long, value_name = "N")]
     deadline_ms: Option<f64>,
+    /// Follow the candidates in N draws of what is known only up to errors, and rank by expected
+    /// harm; 1: in the scene as stated alone [default: as the scenario says, else 1].
+    #[arg(long, value_name = "N")]
+    members: Option<i64>,
+    /// Draw N members at most, where the best two are too close to call with fewer [default: 128,
+    /// or `--members`].
+    #[arg(long, value_name = "N", requires = "members")]
+    members_max: Option<i64>,
     /// Maximum number of box and triangle tests per job; the remainder becomes new jobs [default:
     /// no limit, or 262144 with a deadline].
     #[arg(long, value_name = "TESTS")]
@@ -71,6 +79,9 @@ impl LimitArgs {
         });
         if let Some(ms) = self.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;
+        }
+        if let Some(count) = self.members {
+            limits = limits.with_members(count, self.members_max)?;
         }
         match self.budget {
             Some(tests) => limits.with_budget(tests),

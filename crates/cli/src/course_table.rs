@@ -3,10 +3,22 @@
 
 use crate::table::{circumstances, kept, lines, percent, plain};
 use report::text::wrap;
-use trolley::{Answer, AnswerState, ContactRow, CourseRow, Note, Run, Severity};
+use trolley::{
+    Answer, AnswerState, ContactRow, CourseRow, ExpectedRow, MetRow, Note, Run, Severity, Spread,
+};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
+    let rows = match answer.members {
+        None => stated(answer),
+        Some(_) => expected(answer),
+    };
+    let head = format!("{}. Which does least harm?", name.trim_end_matches('.'));
+    format!("{head}\n{}\n\n{}\n\n{}", circumstances(run), rows, verdict(answer, run))
+}
+
+/// The table of candidates in the scene as stated.
+fn stated(answer: &Answer) -> String {
     let header = ["#", "candidate", "meets", "worst-off person", "harm %", "range %"];
     let mut table = plain(&header);
     for (at, row) in answer.ranking.iter().enumerate() {
@@ -16,12 +28,76 @@ pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
             meets(row),
             worst_off(row),
             harm(row),
-            format!("{}–{}", percent(row.range.low()), percent(row.range.high())),
+            range(row),
         ]);
     }
-    let rows = lines(table, &[0, 4]);
-    let head = format!("{}. Which does least harm?", name.trim_end_matches('.'));
-    format!("{head}\n{}\n\n{}\n\n{}", circumstances(run), rows, verdict(answer, run))
+    lines(table, &[0, 4])
+}
+
+fn range(row: &CourseRow) -> String {
+    format!("{}–{}", percent(row.range.low()), percent(row.range.high()))
+}
+
+/// The table of candidates over members.
+fn expected(answer: &Answer) -> String {
+    let header = ["#", "candidate", "meets", "harm %", "5–95 %", "range %", "best in"];
+    let mut table = plain(&header);
+    for (at, row) in answer.ranking.iter().enumerate() {
+        let Some(of) = &row.expected else { continue };
+        let spread = |text: &dyn Fn(&Spread) -> String| of.spread.as_ref().map_or("–".into(), text);
+        let harm = match &of.spread {
+            Some(spread) if spread.error > 0.0 => {
+                format!("{} ± {}", harm(row), percent(spread.error))
+            }
+            _ => harm(row),
+        };
+        table.add_row([
+            (at + 1).to_string(),
+            row.name.clone(),
+            expected_meets(of),
+            harm,
+            spread(&|s| format!("{}–{}", percent(s.quantiles[0]), percent(s.quantiles[2]))),
+            range(row),
+            spread(&|s| share(s.best)),
+        ]);
+    }
+    lines(table, &[0, 6])
+}
+
+/// A share of members: "25 %".
+fn share(of: f64) -> String {
+    format!("{:.0} %", 100.0 * of)
+}
+
+/// "pole 25 % from 1.32 s" for each party, one a line.
+fn expected_meets(expected: &ExpectedRow) -> String {
+    let met =
+        |met: &MetRow| format!("{} {} from {:.2} s", met.party, share(met.probability), met.from_s);
+    let mut lines: Vec<String> = expected.meets.iter().map(met).collect();
+    if expected.open > 0 {
+        lines.push(format!("not known in {} members", expected.open));
+    } else if lines.is_empty() {
+        lines.push("nobody".to_owned());
+    }
+    lines.join("\n")
+}
+
+/// What the numbers of the table are.
+fn members(answer: &Answer) -> Option<String> {
+    let of = answer.members.as_ref()?;
+    let replaced = match of.replaced {
+        0 => String::new(),
+        1 => "; 1 draw overlapped at 0 s and was replaced".to_owned(),
+        count => format!("; {count} draws overlapped at 0 s and were replaced"),
+    };
+    let injured = answer.ranking.first().and_then(|row| row.expected.as_ref());
+    let injured = injured.filter(|of| of.spread.is_some()).map_or(String::new(), |of| {
+        format!("; with the first, {:.4} persons are expected to be injured", of.injured.hi())
+    });
+    Some(format!(
+        "Harm is the mean over {} members: draws of what is known only up to errors{injured}{replaced}.",
+        of.count
+    ))
 }
 
 /// "1.62 s pedestrian, light" for each contact, one a line; or how near the ego comes to whom.
@@ -100,6 +176,8 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         lines.push(format!("First under the policy: {}.", first.name));
     }
     lines.push(format!("{took}."));
+    lines.extend(members(answer));
+    lines.extend(lead(answer));
     let notes = answer.notes.iter().filter(|note| !note.is_refusal());
     lines.extend(notes.map(|note| format!("Note: {}.", note.sentence())));
     lines.extend(run.deadline.as_ref().map(kept));
@@ -130,6 +208,20 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     }
     let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
     wrapped.join("\n") + "\n"
+}
+
+/// How sure the first place is.
+fn lead(answer: &Answer) -> Option<String> {
+    let lead = answer.members.as_ref()?.lead?;
+    let verdict = if lead.is_close() { "too close to call" } else { "more than chance" };
+    let percent = |value: f64| format!("{:.2} %", 100.0 * value);
+    (lead.error > 0.0).then(|| {
+        format!(
+            "The second is {} worse in the mean, give or take {}: {verdict}.",
+            percent(lead.mean),
+            percent(lead.error)
+        )
+    })
 }
 
 /// What is ahead of the ego at the end of its way.

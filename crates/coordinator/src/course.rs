@@ -23,17 +23,20 @@
 
 use crate::request::RequestError;
 use crate::request_limits::{RequestLimits, Until};
+use crate::strategy::SearchOrder;
 use crate::work::Effort;
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
 use body::Shells;
 use damage::course::{HEAVY_M_S, Severity};
+use damage::rule::Stake;
 use damage::{
-    CandidateHarm, CourseHarm, Criteria, RankedCandidates, Scratch, Unevaluable, rank_in,
+    CandidateHarm, CourseHarm, Criteria, Policy, RankedCandidates, Scratch, Unevaluable, rank_in,
 };
 use runtime::clock;
 use scenario::Scenario;
 use std::borrow::Cow;
+use std::rc::Rc;
 
 mod assessed_contact;
 mod course_answer;
@@ -41,9 +44,11 @@ mod encounter;
 mod explain;
 mod flags;
 mod history;
+mod member;
 mod persons;
 mod plan_scene;
 mod rounds;
+mod stages;
 mod stop;
 #[cfg(any(test, feature = "faults"))]
 mod trial;
@@ -59,14 +64,16 @@ pub use plan_scene::{
 };
 #[cfg(test)]
 pub(crate) use rounds::first_round;
+pub use stages::{ExpectedRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
 
 use assessed_contact::AssessedContact;
 use history::{SearchClock, Surveyor};
+use member::Member;
 use persons::People;
 use rounds::Rounds;
-use way::{Begin, NextContact, Way};
+use way::{Begin, NextContact, Scenery, Way};
 
 /// One request over a horizon.
 #[derive(Clone, Debug)]
@@ -80,6 +87,8 @@ pub struct CourseRequest<'a> {
     pub shells: &'a [Shells],
     /// Policy, curves and parameters that judge the candidates.
     pub criteria: Criteria,
+    /// How many members are followed.
+    pub members: scenario::Members,
     /// Whether a history is recorded, from which the answer can be made again.
     pub history: bool,
     /// Whether the answer is explained.
@@ -128,15 +137,19 @@ pub struct RankedCourses {
     pub scene: Option<PlanScene>,
 }
 
-/// A candidate as it is followed.
+/// A candidate as it is followed in one member.
 #[derive(Debug)]
 struct Course<'s> {
+    /// Number of the candidate.
+    candidate: usize,
     way: Way<'s>,
     contacts: Vec<AssessedContact>,
     /// Where the course ended before its time.
     stuck: Option<Stuck>,
     /// It is not followed on, as that cannot change what was asked for.
     is_spared: bool,
+    /// Its harm, once nothing is open.
+    harm: Option<CourseHarm>,
 }
 
 /// A contact that cannot be evaluated, or whose work is not done.
@@ -148,8 +161,9 @@ struct Stuck {
 }
 
 impl<'s> Course<'s> {
-    fn new(way: Way<'s>) -> Self {
-        Self { way, contacts: Vec::new(), stuck: None, is_spared: false }
+    fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
+        let way = Way::new(scenery, member, candidate);
+        Self { candidate, way, contacts: Vec::new(), stuck: None, is_spared: false, harm: None }
     }
 
     /// Whether anything is not known of it.
@@ -200,6 +214,12 @@ pub fn rank_courses(
         .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
     let time = SearchClock::until(due_ns).with_idle_hook(backend.idle_hook());
     let rounds = request.history.then(Vec::new);
+    // Contacts of several members are no candidates of one request: no order of theirs decides.
+    let limits = if request.members.is_nominal() {
+        limits
+    } else {
+        RequestLimits { search_order: SearchOrder::AsAsked, ..limits }
+    };
     let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds };
     let mut ranked = follow(stage, request, limits.until, &time, &mut surveyor)?;
     ranked.effort.accepted_ns = accepted_ns;
@@ -226,32 +246,66 @@ fn follow(
     let is_over = || time.is_over();
     let is_due: Option<&dyn Fn() -> bool> = if time.is_watched() { Some(&is_over) } else { None };
     let mut rounds = Rounds::new(stage, request, until);
-    loop {
-        let round = rounds.search(is_due)?;
-        let round = rounds.spare(round)?;
-        if round.meetings.is_empty() {
-            break;
+    let mut follow = |rounds: &mut Rounds<'_>| -> Result<(), RunError> {
+        loop {
+            let round = rounds.search(is_due)?;
+            let round = rounds.spare(round)?;
+            if round.meetings.is_empty() {
+                return Ok(());
+            }
+            rounds.survey(&round, surveyor)?;
         }
-        rounds.survey(&round, surveyor)?;
-    }
+    };
+    let judged = match request.members.is_nominal() {
+        true => {
+            follow(&mut rounds)?;
+            let harms = rounds.harms(&[]).remove(0);
+            Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)?
+        }
+        false => stages::followed(&mut rounds, request, &mut follow)?,
+    };
+    let Judged { harms, ranking, members } = judged;
     let Rounds { scenery, people, courses, mut search, mut effort, reports, .. } = rounds;
     effort.search = search.effort;
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
     let policy = &*request.criteria.policy;
-    let harms: Vec<CourseHarm> =
-        courses.iter().map(|course| harm_of(&people, course, None)).collect();
-    let mut ranking = RankedCandidates::default();
-    rank_in(&mut Scratch::default(), policy, &people.stakes(), &harms, &mut ranking)
-        .map_err(RequestError::from)?;
-    let known = (&courses[..], &harms[..]);
-    let answer = course_answer::written(&scenery, &people, policy, known, &ranking, &mut search);
+    // The scene as stated.
+    let courses = &courses[..request.scenario.candidates.len()];
+    let known = (courses, &harms[..]);
+    let mut answer = course_answer::written(
+        &scenery,
+        &people,
+        policy,
+        known,
+        &ranking,
+        (&mut search, members.is_some()),
+    );
+    if let Some(members) = members {
+        members.write(&mut answer, &ranking, &request.scenario.candidates);
+    }
     let explain =
         || Explanation::new(request.scenario, &people, &request.criteria, known, &ranking);
     let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
-    let scene = request.scene.then(|| plan_scene::scene(&scenery, &courses));
+    let scene = request.scene.then(|| plan_scene::scene(&scenery, courses));
     Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
+}
+
+/// The order of candidates, and what it was made from.
+struct Judged {
+    harms: Vec<CourseHarm>,
+    ranking: RankedCandidates,
+    /// What members say; `None`: the scene as stated was followed alone.
+    members: Option<stages::MembersFound>,
+}
+
+impl Judged {
+    fn of(policy: &Policy, stakes: &[Stake], harms: Vec<CourseHarm>) -> Result<Self, RequestError> {
+        let mut ranking = RankedCandidates::default();
+        rank_in(&mut Scratch::default(), policy, stakes, &harms, &mut ranking)?;
+        Ok(Self { harms, ranking, members: None })
+    }
 }
 
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).

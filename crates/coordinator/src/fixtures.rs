@@ -72,6 +72,7 @@ pub(crate) fn with_policy<T>(
         models: &[0, 1, 2, 3],
         shells: &shells,
         criteria,
+        members: scenario::Members::NOMINAL,
         history: false,
         explanation: false,
         scene: false,

@@ -11,6 +11,7 @@ use damage::{
     Stiffness, heading,
 };
 use diagnostic::Diagnostic;
+use geometry::motion::PathError;
 use geometry::support::DIRECTIONS;
 use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use scenario::Name;
@@ -119,6 +120,20 @@ pub enum RequestError {
         /// Why.
         source: damage::AssessError,
     },
+    /// What is drawn for a member leads nowhere.
+    #[error("a member of the scene leads nowhere: {source}")]
+    Member {
+        /// Why.
+        source: PathError,
+    },
+    /// Nearly every member has two bodies in one place.
+    #[error("the ego overlaps \"{party}\" at 0 s in {replaced} of 1024 draws of where they may be")]
+    Overlap {
+        /// The party of the last such draw.
+        party: String,
+        /// How many draws overlap.
+        replaced: u32,
+    },
     /// The candidates cannot be ranked.
     #[error(transparent)]
     Rank(#[from] damage::RankError),
@@ -130,7 +145,13 @@ impl Diagnostic for RequestError {
     }
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
-        Some("correct the candidate, or leave it out".into())
+        Some(match self {
+            Self::Overlap { .. } => {
+                "correct where they are, or state smaller errors of both".into()
+            }
+            Self::Member { .. } => "state smaller errors, or members = 1".into(),
+            _ => "correct the candidate, or leave it out".into(),
+        })
     }
 }
 

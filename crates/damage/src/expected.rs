@@ -62,7 +62,7 @@ pub struct Spreads {
 pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm> + Clone) -> CourseHarm {
     let count = courses.clone().count();
     if count <= 1 {
-        return courses.cloned().next().unwrap_or_default();
+        return courses.into_iter().next().cloned().unwrap_or_default();
     }
     let mut sum = CourseHarm::none();
     for course in courses {
@@ -189,6 +189,47 @@ pub fn spreads(
         _ => None,
     };
     Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead })
+}
+
+/// Whether the lead of a candidate over any other may turn out too close to call, whatever open
+/// work finds. `harms` as for [`spreads`], but for what is open.
+///
+/// Sound, not sharp: with every difference in its interval, the mean is at least the mean of lower
+/// ends, and the variance at most that of the farther ends about it.
+///
+/// # Errors
+///
+/// As [`crate::rank()`].
+pub fn may_be_close(
+    policy: &Policy,
+    stakes: &[Stake],
+    harms: &[Vec<CourseHarm>],
+    first: usize,
+) -> Result<bool, RankError> {
+    let count = harms.len() as f64;
+    let candidates = harms.first().map_or(0, Vec::len);
+    // Per candidate: the sum of lower ends, and of squares of farther ends.
+    let mut sums = vec![(0.0, 0.0); candidates];
+    let (mut scratch, mut ranking) = (Scratch::default(), RankedCandidates::default());
+    let mut leading = vec![Interval::ZERO; candidates];
+    for harms in harms {
+        rank_in(&mut scratch, policy, stakes, harms, &mut ranking)?;
+        for place in &ranking.places {
+            leading[place.candidate] = place.work;
+        }
+        for (sums, of) in sums.iter_mut().zip(&leading) {
+            let (low, high) = (of.lo() - leading[first].hi(), of.hi() - leading[first].lo());
+            sums.0 += low;
+            sums.1 += (low * low).max(high * high);
+        }
+    }
+    let is_close = |(low, squares): &(f64, f64)| {
+        let least = low / count;
+        let variance = (squares - count * least * least).max(0.0) / (count - 1.0).max(1.0);
+        least < 0.0 || least * least < variance / count
+    };
+    let mut others = sums.iter().enumerate().filter(|(k, _)| *k != first);
+    Ok(others.any(|(_, sums)| is_close(sums)))
 }
 
 #[cfg(test)]

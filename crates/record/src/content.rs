@@ -95,6 +95,10 @@ pub struct Settings {
     pub seed: u64,
     /// Parties of unknown kind were taken as fixed to the ground.
     pub unknown_is_fixed: bool,
+    /// In how many members candidates were followed; 1: in the scene as stated alone.
+    pub members: u32,
+    /// In how many at most.
+    pub members_max: u32,
 }
 
 /// A question about one pose of one contact.

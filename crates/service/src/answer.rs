@@ -122,6 +122,7 @@ mod tests {
                 assumptions: Vec::new(),
                 settled_places: 0,
                 missing: Vec::new(),
+                members: None,
             };
             let out = lay_out(7, &answer);
             assert_eq!((out.verdict(), out.reason()), (WireState::Refused, Reason::NoneAcceptable));

@@ -51,6 +51,7 @@ pub(crate) struct Recorded {
     /// The other texts that the scenario names.
     pub(crate) files: Vec<SourceText>,
     pub(crate) unknown_is_fixed: bool,
+    pub(crate) members: scenario::Members,
     pub(crate) history: CourseHistory,
     pub(crate) settings: Settings,
     pub(crate) bodies: Vec<record::RecordedBody>,

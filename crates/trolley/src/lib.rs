@@ -224,6 +224,40 @@ pub use coordinator::ContactScene;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::CourseRow;
+/// What members say of a [`CourseRow`]: how probable contact is, with whom, and how harm is spread.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default().with_members(4, Some(4))?;
+/// let answer = engine.rank(&scenario, &limits)?.answer;
+/// for expected in answer.ranking.iter().filter_map(|row| row.expected.as_ref()) {
+///     println!("contact in {} % of the members", 100.0 * expected.contact);
+///     assert!((0.0..=1.0).contains(&expected.contact));
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::ExpectedRow;
+/// The members of an [`Answer`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default().with_members(4, Some(8))?;
+/// let answer = engine.rank(&scenario, &limits)?.answer;
+/// let members = answer.members.expect("they were drawn");
+/// println!("{} members, {} draws replaced", members.count, members.replaced);
+/// assert!(members.count == 8 || members.lead.is_some_and(|lead| !lead.is_close()));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::MembersRow;
+/// A party of an [`ExpectedRow`] that is met in some members.
+///
+/// ```
+/// let met = trolley::MetRow { party: "pole".into(), probability: 0.25, from_s: 1.5 };
+/// assert!(met.probability > 0.0);
+/// ```
+pub use coordinator::MetRow;
 /// A contact of a [`PlanCourse`].
 ///
 /// ```
@@ -289,6 +323,13 @@ pub use coordinator::PlanScene;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use damage::Severity;
+/// How the leading measure of a candidate is spread over members.
+///
+/// ```
+/// let spread = trolley::Spread { best: 0.9, ..Default::default() };
+/// assert!(spread.best > 0.5 && spread.regret == 0.0);
+/// ```
+pub use damage::expected::Spread;
 
 /// The chain from contact to rank, from [`Limits::with_explanation`].
 ///

@@ -3,6 +3,7 @@
 use crate::{Failure, FailureKind};
 use coordinator::{RequestLimits, SearchOrder, Until};
 use core::time::Duration;
+use scenario::Members;
 
 /// Least budget: two full leaves are tested in one step.
 const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;
@@ -26,6 +27,7 @@ pub struct Limits {
     job_history: bool,
     deadline: Option<Duration>,
     budget: Option<u64>,
+    members: Option<Members>,
 }
 
 impl Limits {
@@ -137,6 +139,38 @@ impl Limits {
         Err(Failure::new(FailureKind::Configuration, format!("--budget is {tests}")).with_remedy(
             format!("--budget may be {BUDGET_MIN} or more: a step of a job takes half"),
         ))
+    }
+
+    /// Follows the candidates in so many members, and at most so many, in place of the scenario's
+    /// numbers. 1: in the scene as stated alone. `most` is 128 where nothing is said, or `count`
+    /// where that is more.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = trolley::Limits::default().with_members(4, Some(4))?;
+    /// let answer = engine.rank(&scenario, &limits)?.answer;
+    /// assert_eq!(answer.members.map(|members| members.count), Some(4));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If `count` is not within 1 and 1,024, or `most` is less.
+    pub fn with_members(self, count: i64, most: Option<i64>) -> Result<Self, Failure> {
+        let members = Members::new(count, most);
+        let members = members.map_err(|misfit| {
+            let option = misfit.setting.replace('_', "-");
+            Failure::new(FailureKind::Configuration, misfit.what)
+                .with_remedy(format!("--{option}: {}", misfit.remedy))
+        })?;
+        Ok(Self { members: Some(members), ..self })
+    }
+
+    /// How many members there are; `scenario` has the scenario's numbers, which hold if no others
+    /// were set.
+    pub(crate) fn members(&self, scenario: Members) -> Members {
+        self.members.unwrap_or(scenario)
     }
 
     /// Refuses limits that contradict each other.

@@ -67,12 +67,11 @@ pub(super) fn contact(
     scenery: &Scenery<'_>,
     people: &People,
     course: &Course<'_>,
-    k: usize,
     meeting: &NextContact,
     support_of: &impl Fn(usize, DVec3) -> f64,
 ) -> Result<Candidate, RequestError> {
     let scenario = scenery.scenario;
-    let name = &scenario.candidates[k].name;
+    let name = &scenario.candidates[course.candidate].name;
     let (ego, other) = (scenario.ego.0, meeting.party);
     let ways = course.way.ways(other);
     let [pose_a, pose_b] = ways.paths.map(|path| path.pose_at(meeting.touching.time_s));
@@ -192,7 +191,8 @@ pub(super) fn settle(
                 course.way.ego_path().velocity_before(at_s, candidate.a.centre_m.to_array());
             // The ego has a mass: it is a vehicle.
             let mass_kg = candidate.a.mass_kg.unwrap_or(f64::INFINITY);
-            course.way.leave(&meeting, RunOut::after(before, on_ego, mass_kg));
+            let run_out = course.way.run_out(RunOut::after(before, on_ego, mass_kg));
+            course.way.leave(&meeting, run_out);
             // A first, light touch was the begin of this crash.
             if meeting.begin == Begin::Again {
                 let same = |contact: &AssessedContact| contact.meeting.party == meeting.party;

@@ -3,6 +3,7 @@
 use super::encounter::EncounterSearch;
 use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted};
 use super::persons::People;
+use super::stages::{ExpectedRow, MembersRow};
 use super::way::{Begin, Scenery};
 use super::{AssessedContact, Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
@@ -33,6 +34,9 @@ pub struct Answer {
     pub settled_places: usize,
     /// What is missing: one sentence per candidate that is not fully known.
     pub missing: Vec<String>,
+    /// The members that harm is the mean of; `None`: it is that of the scene as stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub members: Option<MembersRow>,
 }
 
 impl Answer {
@@ -88,6 +92,10 @@ pub struct CourseRow {
     pub alternatives: Vec<Alternative>,
     /// What else has to be known, in sentences.
     pub remarks: Vec<String>,
+    /// What members say, if there are any. `work`, `range`, `persons` and `energy_j` are then means
+    /// over members; all else is of the scene as stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected: Option<ExpectedRow>,
 }
 
 /// A run-out.
@@ -166,16 +174,19 @@ pub struct CoursePersonRow {
 }
 
 impl CourseRow {
-    /// Whether the ego touches nobody from the start to the end of its way: proven.
+    /// Whether the ego touches nobody from the start to the end of its way, in any member: proven.
     #[must_use]
     pub fn touches_nobody(&self) -> bool {
         self.hits_nobody() && self.parts_from.is_empty() && self.maybe_inside.is_empty()
     }
 
-    /// Whether the ego hits nobody, though it may be in contact with somebody at the start.
+    /// Whether the ego hits nobody, in any member, though it may be in contact with somebody at the start.
     #[must_use]
     pub fn hits_nobody(&self) -> bool {
-        self.contacts.is_empty() && self.open_from_s.is_none()
+        let of_member =
+            |expected: &ExpectedRow| expected.contact == 0.0 && expected.spread.is_some();
+        let is_known = self.expected.as_ref().is_none_or(of_member);
+        is_known && self.contacts.is_empty() && self.open_from_s.is_none()
     }
 }
 
@@ -186,7 +197,7 @@ pub(super) fn written(
     policy: &Policy,
     (courses, harms): (&[Course<'_>], &[CourseHarm]),
     ranking: &RankedCandidates,
-    search: &mut EncounterSearch,
+    (search, is_drawn): (&mut EncounterSearch, bool),
 ) -> Answer {
     let scenario = scenery.scenario;
     let outlines = Outlines::of(scenery);
@@ -218,9 +229,10 @@ pub(super) fn written(
         ranking: rows,
         tie_class: tie_class(ranking, courses).map(name).collect(),
         notes: ranking.notes.clone(),
-        assumptions: assumptions(scenery, people),
+        assumptions: assumptions(scenery, people, is_drawn),
         settled_places: ranking.settled,
         missing: open.collect(),
+        members: None,
     }
 }
 
@@ -256,12 +268,13 @@ fn missing(scenery: &Scenery<'_>, course: &Course<'_>) -> Option<String> {
     })
 }
 
-fn assumptions(scenery: &Scenery<'_>, people: &People) -> Vec<String> {
+fn assumptions(scenery: &Scenery<'_>, people: &People, is_drawn: bool) -> Vec<String> {
     let scenario = scenery.scenario;
     let parties = scenario.parties.iter();
     let unknown = parties.clone().filter(|party| party.is_unknown);
     let unknown = unknown.map(|party| answer::unknown_sentence(&party.name));
-    let several = parties.enumerate().filter(|(_, party)| party.predictions.len() > 1);
+    // Members take each as often as it is probable.
+    let several = parties.enumerate().filter(|(_, party)| !is_drawn && party.predictions.len() > 1);
     let several = several.map(|(number, party)| {
         let (followed, _) = scenery.likeliest(number);
         format!(
@@ -432,6 +445,7 @@ fn row(
         at_horizon: is_known.then(|| flags::at_horizon((scenery, outlines), way, is_met)),
         alternatives: if is_known { flags::alternatives(scenery, way, search) } else { Vec::new() },
         remarks: remarks(scenery, k, course),
+        expected: None,
     }
 }
 

@@ -101,7 +101,7 @@ impl Ways<'_> {
 
     /// Whether the bodies stay apart in that time because their origins never come as near as both
     /// radii reach.
-    fn are_far(&self, span_s: &Range<f64>) -> bool {
+    pub(crate) fn are_far(&self, span_s: &Range<f64>) -> bool {
         let reach = self.bodies.iter().map(radius_m).sum::<f64>() * (1.0 + 1e-9) + 1e-6;
         let mut times: Vec<f64> = self
             .paths

@@ -1,12 +1,14 @@
-//! The work on a request: contacts are searched for in all candidates, and surveyed in rounds.
+//! The work on a request: contacts are searched for in all candidates and members, and surveyed in
+//! rounds.
 
 use super::assessed_contact::{assessed, contact, settle};
 use super::encounter::EncounterSearch;
 use super::history::Surveyor;
+use super::member::Members;
 use super::persons::People;
 use super::plan_scene::ContactScene;
-use super::stop::Stop;
-use super::way::{Begin, NextContact, Scenery, Way};
+use super::stop::{MayBeClose, Stop};
+use super::way::{Begin, NextContact, Scenery};
 use super::{Course, CourseEffort, CourseRequest, harm_of};
 use crate::explain::contact_chain;
 use crate::request::{Candidate, Request, RequestError};
@@ -17,9 +19,10 @@ use crate::workspace::{BodySet, RunError};
 use bvh::support::support;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
-use damage::{CandidateHarm, CourseHarm, Criteria};
+use damage::{CandidateHarm, CourseHarm, Criteria, expected};
 use geometry::DVec3;
 use runtime::clock;
+use std::rc::Rc;
 
 /// The candidates of a request while they are followed.
 pub(super) struct Rounds<'r> {
@@ -27,7 +30,9 @@ pub(super) struct Rounds<'r> {
     request: &'r CourseRequest<'r>,
     pub(super) scenery: Scenery<'r>,
     pub(super) people: People,
+    /// All candidates in the scene as stated, then in each member.
     pub(super) courses: Vec<Course<'r>>,
+    pub(super) members: Members<'r>,
     pub(super) search: EncounterSearch,
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
@@ -37,7 +42,7 @@ pub(super) struct Rounds<'r> {
 
 /// Contacts that come next in their candidates, worked on together.
 pub(super) struct Round {
-    /// The candidate and its contact, in the order of the candidates.
+    /// The number of the course and its contact, in the order of the courses.
     pub(super) meetings: Vec<(usize, NextContact)>,
     /// The same as candidates of a request.
     contacts: Request,
@@ -50,6 +55,13 @@ pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> R
     rounds.search(None).expect("they can be assessed").contacts
 }
 
+/// The expected harm of every candidate; `harms[m][k]` is that of candidate k in member m.
+pub(super) fn means(harms: &[Vec<CourseHarm>]) -> Vec<CourseHarm> {
+    let candidates = harms.first().map_or(0, Vec::len);
+    let of = |k: usize| expected::mean(harms.iter().map(move |member| &member[k]));
+    (0..candidates).map(of).collect()
+}
+
 impl<'r> Rounds<'r> {
     pub(super) fn new(
         stage: &'r BodySet<'r>,
@@ -59,14 +71,18 @@ impl<'r> Rounds<'r> {
         let CourseRequest { scenario, models, shells, criteria, .. } = request;
         let scenery = Scenery { scenario, bodies: stage.bodies, models, shells };
         let people = People::of(scenario, &|party| scenery.body(party));
-        let begin = |candidate| Course::new(Way::new(scenery, candidate));
+        let members = Members::nominal(scenery);
+        let nominal = &members.list[0];
+        let begin = |candidate| Course::new(scenery, Rc::clone(nominal), candidate);
+        let courses = (0..scenario.candidates.len()).map(begin).collect();
         Self {
             stage,
             request,
             scenery,
             stop: Stop::new(until, &criteria.policy, people.stakes()),
             people,
-            courses: scenario.candidates.iter().map(begin).collect(),
+            courses,
+            members,
             search: EncounterSearch::default(),
             effort: CourseEffort::default(),
             reports: Vec::new(),
@@ -74,7 +90,24 @@ impl<'r> Rounds<'r> {
         }
     }
 
-    /// Searches for the contact that comes next in every candidate, as far as that matters.
+    /// Draws members until there are so many; the candidates begin in the new ones.
+    pub(super) fn draw(&mut self, count: u32) -> Result<(), RequestError> {
+        let known = self.members.list.len();
+        self.members.draw(count as usize, &mut self.search)?;
+        let candidates = self.scenery.scenario.candidates.len();
+        for member in &self.members.list[known..] {
+            let begin = |k| Course::new(self.scenery, Rc::clone(member), k);
+            self.courses.extend((0..candidates).map(begin));
+        }
+        Ok(())
+    }
+
+    /// How many members there are; 0: the candidates are followed in the scene as stated alone.
+    fn drawn(&self) -> usize {
+        self.members.list.len() - 1
+    }
+
+    /// Searches for the contact that comes next in every course, as far as that matters.
     pub(super) fn search(
         &mut self,
         is_due: Option<&dyn Fn() -> bool>,
@@ -88,7 +121,7 @@ impl<'r> Rounds<'r> {
             if let Some((meeting, contact)) = self.next(k, is_due)? {
                 meetings.push((k, meeting));
                 contacts.push(contact);
-            } else if !self.courses[k].is_open() && self.is_decided(&[])? {
+            } else if self.is_worth_a_look(k) && self.is_decided(&[])? {
                 break;
             }
         }
@@ -105,7 +138,15 @@ impl<'r> Rounds<'r> {
         Ok(Round { meetings, contacts })
     }
 
-    /// The next contact of a candidate that has to be surveyed.
+    /// Whether a course has just ended after which there may be nothing left to do: of members only
+    /// all candidates together.
+    fn is_worth_a_look(&self, course: usize) -> bool {
+        let candidates = self.scenery.scenario.candidates.len();
+        let is_last = self.drawn() == 0 || (course + 1).is_multiple_of(candidates);
+        is_last && !self.courses[course].is_open()
+    }
+
+    /// The next contact of a course that has to be surveyed.
     fn next(
         &mut self,
         k: usize,
@@ -121,8 +162,7 @@ impl<'r> Rounds<'r> {
             return Ok(None);
         }
         while let Some(meeting) = course.way.next(&mut self.search, is_due) {
-            let mut contact =
-                contact(&self.scenery, &self.people, course, k, &meeting, &support_of)?;
+            let mut contact = contact(&self.scenery, &self.people, course, &meeting, &support_of)?;
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
             let parts =
@@ -153,13 +193,43 @@ impl<'r> Rounds<'r> {
         if !self.stop.is_watched() {
             return Ok(false);
         }
-        let harm = |(k, course): (usize, &Course<'_>)| {
-            let next = found.iter().find(|(of, ..)| *of == k);
-            harm_of(&self.people, course, next.map(|(_, meeting, harm)| (meeting, harm)))
-        };
-        let harms: Vec<CourseHarm> = self.courses.iter().enumerate().map(harm).collect();
-        let is_open: Vec<bool> = self.courses.iter().map(Course::is_open).collect();
-        self.stop.look(&harms, &is_open).map_err(RequestError::from)
+        let harms = self.harms(found);
+        let candidates = self.scenery.scenario.candidates.len();
+        let mut is_open = vec![false; candidates];
+        for course in &self.courses {
+            is_open[course.candidate] |= course.is_open();
+        }
+        if self.drawn() == 0 {
+            return Ok(self.stop.look(&harms[0], &is_open, None)?);
+        }
+        let (policy, stakes) = (&self.request.criteria.policy, self.people.stakes());
+        let may_be_close = |first| expected::may_be_close(policy, &stakes, &harms[1..], first);
+        let is_last = self.drawn() as u32 >= self.request.members.most;
+        let may_be_close: Option<MayBeClose<'_>> = if is_last { None } else { Some(&may_be_close) };
+        Ok(self.stop.look(&means(&harms[1..]), &is_open, may_be_close)?)
+    }
+
+    /// The harm of every candidate in every member, the scene as stated first, as far as it is
+    /// known. `found` as in [`Rounds::is_decided`].
+    pub(super) fn harms(
+        &mut self,
+        found: &[(usize, NextContact, CandidateHarm)],
+    ) -> Vec<Vec<CourseHarm>> {
+        let mut found = found.iter().peekable();
+        let mut harms = Vec::with_capacity(self.courses.len());
+        for (number, course) in self.courses.iter_mut().enumerate() {
+            let next = found.next_if(|(of, ..)| *of == number);
+            if course.is_open() {
+                let next = next.map(|(_, meeting, harm)| (meeting, harm));
+                harms.push(harm_of(&self.people, course, next));
+                continue;
+            }
+            let known = course.harm.take().unwrap_or_else(|| harm_of(&self.people, course, None));
+            harms.push(known.clone());
+            course.harm = Some(known);
+        }
+        let candidates = self.scenery.scenario.candidates.len();
+        harms.chunks(candidates).map(<[CourseHarm]>::to_vec).collect()
     }
 
     /// Leaves open what cannot change what was asked for. Returns the contacts that still have to
@@ -176,12 +246,12 @@ impl<'r> Rounds<'r> {
             meetings.iter().zip(harms).map(|((k, meeting), harm)| (*k, *meeting, harm)).collect();
         self.is_decided(&found)?;
         for (number, (k, meeting, harm)) in found.into_iter().enumerate() {
-            if self.stop.may_spare(k) {
+            if self.stop.may_spare(self.courses[k].candidate) {
                 self.settle(k, &work, number, meeting, harm);
             }
         }
-        for (k, course) in self.courses.iter_mut().enumerate() {
-            if course.is_open() && self.stop.may_spare(k) {
+        for course in &mut self.courses {
+            if course.is_open() && self.stop.may_spare(course.candidate) {
                 course.is_spared = true;
                 if course.stuck.is_none() {
                     course.way.give_up();
@@ -189,7 +259,8 @@ impl<'r> Rounds<'r> {
             }
         }
         self.buffers = work.into_buffers();
-        let is_left: Vec<bool> = meetings.iter().map(|(k, _)| !self.stop.may_spare(*k)).collect();
+        let may_spare = |k: usize| self.stop.may_spare(self.courses[k].candidate);
+        let is_left: Vec<bool> = meetings.iter().map(|(k, _)| !may_spare(*k)).collect();
         let mut left = is_left.iter();
         meetings.retain(|_| left.next().copied().unwrap_or(true));
         let mut left = is_left.iter();

@@ -17,12 +17,17 @@ pub(super) struct Stop<'r> {
     scratch: Scratch,
     ranking: RankedCandidates,
     is_decided: bool,
+    /// Who cannot win need not be followed.
+    may_spare_losers: bool,
 }
+
+/// Whether the lead of a candidate may turn out too close, so that more members are drawn.
+pub(super) type MayBeClose<'c> = &'c dyn Fn(usize) -> Result<bool, RankError>;
 
 impl<'r> Stop<'r> {
     pub(super) fn new(until: Until, policy: &'r Policy, stakes: Vec<Stake>) -> Self {
         let (scratch, ranking) = (Scratch::default(), RankedCandidates::default());
-        Self { until, policy, stakes, scratch, ranking, is_decided: false }
+        Self { until, policy, stakes, scratch, ranking, is_decided: false, may_spare_losers: false }
     }
 
     /// Whether work may end before all of it is done.
@@ -30,11 +35,13 @@ impl<'r> Stop<'r> {
         self.until != Until::Complete
     }
 
-    /// Looks at what is known; whether no open work can change what was asked for.
+    /// Looks at what is known; whether no open work can change what was asked for. Where more
+    /// members may be drawn, `may_be_close` says whether open work could have them drawn.
     pub(super) fn look(
         &mut self,
         harms: &[CourseHarm],
         is_open: &[bool],
+        may_be_close: Option<MayBeClose<'_>>,
     ) -> Result<bool, RankError> {
         rank_in(&mut self.scratch, self.policy, &self.stakes, harms, &mut self.ranking)?;
         let ranking = &self.ranking;
@@ -44,14 +51,22 @@ impl<'r> Stop<'r> {
             Until::Certified => ranking.settled > 0,
         };
         let winner = ranking.places.first().map(|place| place.candidate);
-        self.is_decided = is_certain && winner.is_some_and(|winner| !is_open[winner]);
+        self.may_spare_losers = may_be_close.is_none();
+        self.is_decided = match winner.filter(|winner| is_certain && !is_open[*winner]) {
+            None => false,
+            Some(winner) => match may_be_close {
+                Some(may_be_close) => !may_be_close(winner)?,
+                None => true,
+            },
+        };
         Ok(self.is_decided)
     }
 
     /// Whether, by the last look, a candidate need not be followed on.
     pub(super) fn may_spare(&self, candidate: usize) -> bool {
         let cannot_win = || !self.ranking.possible.contains(&candidate);
-        self.is_decided || (self.until == Until::Certified && cannot_win())
+        let is_asked = self.until == Until::Certified && self.may_spare_losers;
+        self.is_decided || (is_asked && cannot_win())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::assessed_contact::{assessed, contact, settle};
 use super::encounter::EncounterSearch;
+use super::member::Member;
 use super::way::Scenery;
 use super::*;
 use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};
@@ -13,6 +14,7 @@ use bvh::support::support;
 use damage::{AnswerState, Criteria, Policy};
 use geometry::DVec3;
 use geometry::rng::Rng;
+use std::rc::Rc;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> Answer {
@@ -42,6 +44,7 @@ pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits)
         models: &models,
         shells: &shells,
         criteria,
+        members: scenario.members,
         history: true,
         explanation: true,
         scene: true,
@@ -371,11 +374,11 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let scenery =
             Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
         let people = People::of(&scenario, &|party| scenery.body(party));
-        let way = Way::new(scenery, &scenario.candidates[0]);
-        let mut course = Course::new(way);
+        let member = Rc::new(Member::nominal(&scenery));
+        let mut course = Course::new(scenery, member, 0);
         let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
         let support_of = |model: usize, d: DVec3| support(&views[model].1, d);
-        let candidate = contact(&scenery, &people, &course, 0, &meeting, &support_of);
+        let candidate = contact(&scenery, &people, &course, &meeting, &support_of);
         let mut candidate = candidate.expect("it closes");
         candidate.lay_plane([&sedan.meta.outlines; 2], meeting.touching.point);
         let request = Request {
@@ -413,9 +416,9 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let scenery = Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
     let people = People::of(&scenario, &|party| scenery.body(party));
-    let mut way = Way::new(scenery, &scenario.candidates[0]);
-    way.open_from_s = Some(0.0);
-    let harm = harm_of(&people, &Course::new(way), None);
+    let mut course = Course::new(scenery, Rc::new(Member::nominal(&scenery)), 0);
+    course.way.open_from_s = Some(0.0);
+    let harm = harm_of(&people, &course, None);
     let (more, greatest) = harm.others.all;
     assert!(more > 0);
     assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");

@@ -12,11 +12,13 @@
 //! heavy, that is the contact: so a first touch of a mirror does not hide a crash.
 
 use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
+use super::member::Member;
 use body::{BodyView, Meta, Shells};
 use damage::course::{PASSED_M, RunOut};
 use geometry::Pose;
 use geometry::motion::{MotionPath, State};
 use scenario::{Candidate, Motion, Scenario};
+use std::rc::Rc;
 
 /// How often a run-out has a state (s): its speed falls so little that it is within 0.3 mm of the
 /// path.
@@ -136,7 +138,9 @@ pub(crate) struct Leg {
 #[derive(Clone, Debug)]
 pub(crate) struct Way<'s> {
     scenery: Scenery<'s>,
-    candidate: &'s Candidate,
+    member: Rc<Member<'s>>,
+    /// Number of the candidate.
+    candidate: usize,
     /// Where the ego went after heavy contacts, in the order of time.
     pub(crate) run_outs: Vec<Leg>,
     /// Until when contacts are looked for (s).
@@ -156,12 +160,14 @@ pub(crate) struct Way<'s> {
 }
 
 impl<'s> Way<'s> {
-    pub(crate) fn new(scenery: Scenery<'s>, candidate: &'s Candidate) -> Self {
+    /// The way of a candidate, by its number, in a member.
+    pub(crate) fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
         let start = Ahead::Unknown { from_s: 0.0, still: None };
         let mut ahead = vec![start; scenery.scenario.parties.len()];
         ahead[scenery.scenario.ego.0] = Ahead::Done;
         Self {
             scenery,
+            member,
             candidate,
             run_outs: Vec::new(),
             end_s: scenery.scenario.horizon_s,
@@ -177,21 +183,31 @@ impl<'s> Way<'s> {
     /// Where the ego goes now: as planned, or on its last run-out.
     pub(crate) fn ego_path(&self) -> &MotionPath {
         let last = self.run_outs.last().and_then(|leg| leg.path.as_ref());
-        last.unwrap_or(&self.candidate.ego.path)
+        last.unwrap_or_else(|| self.planned())
+    }
+
+    /// Where the ego goes if nothing happens.
+    fn planned(&self) -> &MotionPath {
+        self.member.ego(self.candidate)
+    }
+
+    /// What a heavy contact lets the ego do.
+    pub(crate) fn run_out(&self, usual: RunOut) -> RunOut {
+        self.member.run_out(usual)
     }
 
     /// Where the ego is at a time (s), wherever it went before.
     pub(crate) fn ego_at(&self, time_s: f64) -> Pose {
         let mut legs = self.run_outs.iter().rev().filter(|leg| leg.from_s <= time_s);
-        let path = legs.find_map(|leg| leg.path.as_ref()).unwrap_or(&self.candidate.ego.path);
-        path.pose_at(time_s)
+        let path = legs.find_map(|leg| leg.path.as_ref());
+        path.unwrap_or_else(|| self.planned()).pose_at(time_s)
     }
 
     /// The ways of the ego and of a party.
     pub(crate) fn ways(&self, party: usize) -> Ways<'_> {
-        let Self { scenery, candidate, .. } = self;
-        let path = &scenery.motion(candidate, party).path;
-        scenery.ways(party, [self.ego_path(), path])
+        let candidate = &self.scenery.scenario.candidates[self.candidate];
+        let path = self.member.other((self.candidate, candidate), party);
+        self.scenery.ways(party, [self.ego_path(), path])
     }
 
     /// The contact that comes next; `None` at the end of the way, or if what comes next is open.

@@ -88,3 +88,49 @@ fn identical_candidates_tie_and_a_dominated_one_is_never_best() {
     let lead = spreads.lead.expect("there are several");
     assert!(!lead.is_close(), "equal ones stay equal, however many members there are: {lead:?}");
 }
+
+/// What is called far enough apart early stays so, whatever is found; and a finished stage is
+/// called as by its lead.
+#[test]
+fn no_open_work_makes_a_clear_lead_close() {
+    use geometry::rng::Rng;
+    let policy = Policy::shipped().expect("sound");
+    let mut rng = Rng::new(34);
+    let (mut clear, mut close) = (0, 0);
+    for _ in 0..2000 {
+        let (gap, noise, width) =
+            (rng.between(0.0, 0.4), rng.between(0.0, 0.2), rng.between(0.0, 0.2));
+        let mut bounds = Vec::new();
+        let mut ends = Vec::new();
+        for _ in 0..8 {
+            let mut member = Vec::new();
+            let mut end = Vec::new();
+            for k in 0..3 {
+                let low = (0.1 + gap * f64::from(k) + rng.between(0.0, noise)).min(0.9);
+                let high = (low + rng.between(0.0, width)).min(1.0);
+                let mut open = harm(&[low, low]);
+                for risk in &mut open.persons {
+                    risk.work = Interval::new(low, high);
+                    risk.range = Range::new(0.0, 1.0);
+                }
+                member.push(open);
+                let found = rng.between(low, high);
+                end.push(harm(&[found, found]));
+            }
+            bounds.push(member);
+            ends.push(end);
+        }
+        if may_be_close(&policy, &stakes(), &bounds, 0).expect("they can be ranked") {
+            close += 1;
+            continue;
+        }
+        clear += 1;
+        for second in [1, 2] {
+            let order = [0, second, 3 - second];
+            let lead = spreads(&policy, &stakes(), &ends, &order).expect("sound").lead;
+            assert!(lead.is_some_and(|lead| !lead.is_close()), "{lead:?}");
+        }
+        assert!(!may_be_close(&policy, &stakes(), &ends, 0).expect("they can be ranked"));
+    }
+    assert!(clear > 200 && close > 200, "{clear} clear, {close} close");
+}

@@ -8,7 +8,7 @@ use coordinator::{
 };
 use damage::parameters::Setting;
 use damage::{Criteria, Parameters};
-use scenario::Scenario;
+use scenario::{Members, Scenario};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use trolley::Failure;
@@ -203,6 +203,7 @@ impl Staged {
             models: &[0, 1],
             shells: &shells,
             criteria: criteria.clone(),
+            members: Members::NOMINAL,
             history: false,
             explanation: false,
             scene: false,

@@ -67,7 +67,7 @@ fn a_few_members_are_spread_evenly() {
     for count in [2, 8, 32, 128] {
         let draws = draws(count);
         for of in [
-            &|draw: &Draw| draw.parties[1].lateral_m as f64,
+            &|draw: &Draw| draw.parties[1].lateral_m,
             &|draw: &Draw| draw.parties[1].yaw_deg,
             &|draw: &Draw| draw.parties[0].choice - 0.5,
             &|draw: &Draw| draw.run_out_share - 0.5,

@@ -222,7 +222,7 @@ pub(crate) fn faster(
     if factor == 1.0 {
         return Ok(motion.path.clone());
     }
-    let too_fast = |_: Misfit| PathError::Fast(0);
+    let too_fast = |_fault: Misfit| PathError::Fast(0);
     match &motion.given {
         GivenMotion::Place { .. } => Ok(motion.path.clone()),
         GivenMotion::Onward { position_m, angles_deg, velocity_m_s, yaw_rate_deg_s } => onward(
@@ -234,7 +234,8 @@ pub(crate) fn faster(
         )
         .map_err(too_fast),
         GivenMotion::States(rows) => {
-            let (kept, velocity) = followed(rows, horizon_s).map_err(|_| PathError::Short)?;
+            // They were followed when the scenario was read.
+            let (kept, velocity) = followed(rows, horizon_s).map_err(|_fault| PathError::Short)?;
             let sooner = |state: State| State { time_s: state.time_s / factor, ..state };
             let states = kept.into_iter().map(sooner).collect();
             Ok(until(states, velocity * factor, horizon_s)?.0)

@@ -17,6 +17,12 @@ pub fn of_scenario(
     models: &[u32],
     unknown_is_fixed: bool,
 ) -> Result<Box<Ask>, String> {
+    if !scenario.members.is_nominal() {
+        return Err(format!(
+            "members is {}: a service ranks the scene as stated, so leave it out",
+            scenario.members.count
+        ));
+    }
     let mut ask = Ask::new(scenario.horizon_s);
     ask.resolution_m = scenario.resolution_m;
     ask.ego = scenario.ego.0 as u32;

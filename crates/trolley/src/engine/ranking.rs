@@ -107,6 +107,7 @@ impl Engine {
         let settings = applied(&parsed.engine, &self.settings.overrides)?;
         limits.check()?;
         let request_limits = limits.request_limits(parsed.deadline);
+        let members = limits.members(parsed.members);
         scenario.check_references()?;
         let all = scenario.bodies();
         let (unique, models) = PartyBody::unique(&all);
@@ -131,6 +132,7 @@ impl Engine {
             models: &models,
             shells,
             criteria,
+            members,
             history: limits.wants_job_history(),
             explanation: limits.wants_explanation(),
             scene: drawn.is_some(),
@@ -159,6 +161,7 @@ impl Engine {
             texts: scenario.texts.clone(),
             files: scenario.files.clone(),
             unknown_is_fixed: scenario.unknown_is_fixed,
+            members,
             history,
             settings,
             bodies: loaded.bodies.recorded(&all, &models),

@@ -24,7 +24,8 @@ pub(super) fn of_ranking(ranking: &Ranking) -> Result<RecordContent, Failure> {
 
 /// A record without an answer.
 fn content(run: &Run, recorded: &Recorded) -> RecordContent {
-    let Recorded { texts, files, unknown_is_fixed, history, settings: engine, bodies } = recorded;
+    let Recorded { texts, files, unknown_is_fixed, members, history, settings: engine, bodies } =
+        recorded;
     let text = |text: &SourceText| RecordedText::new(&text.name, &text.text);
     let lost = run.workers.iter().filter_map(|worker| {
         worker.lost.as_ref().map(|how| format!("worker {} was lost: {how}", worker.worker))
@@ -48,6 +49,8 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
             queue: engine.queue as u32,
             seed: engine.seed,
             unknown_is_fixed: *unknown_is_fixed,
+            members: members.count,
+            members_max: members.most,
         },
         bodies: bodies.clone(),
         rounds: history.rounds.clone(),

@@ -11,7 +11,7 @@ use coordinator::{
 };
 use record::{RecordContent, RecordedSource, RecordedText};
 use runtime::{FileMap, InputKind};
-use scenario::{EngineSettings, FileRef, Overrides, Source};
+use scenario::{EngineSettings, FileRef, Members, Overrides, Source};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -126,6 +126,7 @@ impl Record {
             models: &numbers,
             shells: &shells,
             criteria: scenario.criteria().clone(),
+            members: self.members()?,
             history: false,
             explanation: true,
             scene: true,
@@ -139,6 +140,12 @@ impl Record {
         drop((all, views));
         let scene = scene.unwrap_or_default();
         Ok(Replay { scenario, answer, explanation, scene, bodies, jobs, json })
+    }
+
+    /// How many members were followed.
+    fn members(&self) -> Result<Members, Failure> {
+        let settings = &self.content.settings;
+        Ok(Members::new(i64::from(settings.members), Some(i64::from(settings.members_max)))?)
     }
 
     /// The texts but for the paths.

@@ -1,0 +1,236 @@
+//! Stages of members: so many are followed, then twice as many, while the best two are too close
+//! to call.
+//!
+//! Only finished stages decide whether there is another one. A stage that time ends is left out:
+//! the answer is that of the stage before. So a complete answer depends on nothing but the request.
+
+use super::rounds::{Rounds, means};
+use super::{Answer, Course, CourseRequest, CourseRow, Judged};
+use crate::request::RequestError;
+use crate::workspace::RunError;
+use damage::expected::{self, Lead, Spread, Spreads};
+use damage::{AnswerState, CourseHarm, Interval, RankedCandidates};
+use scenario::Candidate;
+use serde::Serialize;
+
+/// The members of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MembersRow {
+    /// How many there are.
+    pub count: u32,
+    /// How many there might have been.
+    pub most: u32,
+    /// How many draws were replaced, as the ego overlapped somebody at time 0.
+    pub replaced: u32,
+    /// By how much the first two candidates differ in the leading measure; `None` where something
+    /// is open, or there is one candidate.
+    pub lead: Option<Lead>,
+    /// Whether a further stage was begun and not finished in time.
+    pub is_late: bool,
+}
+
+/// What members say of a candidate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExpectedRow {
+    /// The share of members in which it meets anybody; where something is open, the least share.
+    pub contact: f64,
+    /// Whom it meets, the most probable first.
+    pub meets: Vec<MetRow>,
+    /// How many persons are expected to be injured at the policy's level, over open work.
+    pub injured: Interval,
+    /// How many members are not followed to their end.
+    pub open: u32,
+    /// The leading measure over members; `None` where something is open, here or elsewhere.
+    pub spread: Option<Spread>,
+}
+
+/// A party that a candidate meets in some members.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MetRow {
+    /// Which.
+    pub party: String,
+    /// The share of members in which it is met.
+    pub probability: f64,
+    /// The earliest time of contact among them (s).
+    pub from_s: f64,
+}
+
+/// What a stage has found.
+pub(super) struct MembersFound {
+    row: MembersRow,
+    /// Per candidate.
+    expected: Vec<ExpectedRow>,
+}
+
+impl MembersFound {
+    /// Completes an answer.
+    pub(super) fn write(
+        self,
+        answer: &mut Answer,
+        ranking: &RankedCandidates,
+        candidates: &[Candidate],
+    ) {
+        let Self { row, mut expected } = self;
+        for (place, candidate) in ranking.places.iter().zip(&mut answer.ranking) {
+            // Each is taken once.
+            let none = ExpectedRow {
+                contact: 0.0,
+                meets: Vec::new(),
+                injured: Interval::ZERO,
+                open: 0,
+                spread: None,
+            };
+            let own = core::mem::replace(&mut expected[place.candidate], none);
+            if own.open > 0 {
+                let of = format!("{} of {} members", own.open, row.count);
+                answer.missing.push(format!("{}: what happens in {of}", candidate.name));
+            }
+            candidate.expected = Some(own);
+            // They are among the members, as often as they are probable.
+            candidate.alternatives.clear();
+        }
+        let is_free =
+            |name: &String| answer.ranking.iter().any(|row| row.name == *name && row.hits_nobody());
+        let name = |k: &usize| candidates[*k].name.to_string();
+        let mut tied: Vec<String> = ranking.tie_class.iter().map(name).collect();
+        if answer.ranking.first().is_some_and(CourseRow::hits_nobody) {
+            tied.retain(is_free);
+        }
+        answer.tie_class = tied;
+        if row.is_late {
+            answer.state = AnswerState::Degraded;
+            answer.missing.push(format!(
+                "the best two are too close to call with {} members, and there was no time for more",
+                row.count
+            ));
+        }
+        answer.members = Some(row);
+    }
+}
+
+/// Follows members in stages.
+pub(super) fn followed<'r>(
+    rounds: &mut Rounds<'r>,
+    request: &CourseRequest<'r>,
+    follow: &mut impl FnMut(&mut Rounds<'_>) -> Result<(), RunError>,
+) -> Result<Judged, RunError> {
+    let most = request.members.most;
+    let mut count = request.members.count;
+    let mut finished: Option<Judged> = None;
+    loop {
+        rounds.draw(count)?;
+        follow(rounds)?;
+        let judged = judged(rounds, request, count)?;
+        let is_done = judged.ranking.state == AnswerState::Complete;
+        let is_close = judged.members.as_ref().and_then(|found| found.row.lead);
+        let is_close = is_close.is_some_and(|lead| lead.is_close());
+        match finished {
+            // It was not finished, and what it has found does not suffice.
+            Some(before) if judged.ranking.state == AnswerState::Degraded => {
+                return Ok(late(before));
+            }
+            _ if !is_done || !is_close || count >= most => return Ok(judged),
+            _ => finished = Some(judged),
+        }
+        count = count.saturating_mul(2).min(most);
+    }
+}
+
+/// A stage after which another one was not finished.
+fn late(judged: Judged) -> Judged {
+    let Judged { harms, mut ranking, members } = judged;
+    ranking.state = AnswerState::Degraded;
+    let members = members
+        .map(|found| MembersFound { row: MembersRow { is_late: true, ..found.row }, ..found });
+    Judged { harms, ranking, members }
+}
+
+/// The order by what is known of a stage.
+fn judged(
+    rounds: &mut Rounds<'_>,
+    request: &CourseRequest<'_>,
+    count: u32,
+) -> Result<Judged, RequestError> {
+    let all = rounds.harms(&[]);
+    let stakes = rounds.people.stakes();
+    let policy = &request.criteria.policy;
+    let mut judged = Judged::of(policy, &stakes, means(&all[1..]))?;
+    let candidates = request.scenario.candidates.len();
+    let courses = &rounds.courses[candidates..];
+    let is_done = !rounds.courses.iter().any(Course::is_open);
+    let ranking = &mut judged.ranking;
+    let order: Vec<usize> = ranking.places.iter().map(|place| place.candidate).collect();
+    let spreads = if is_done {
+        expected::spreads(policy, &stakes, &all[1..], &order)?
+    } else {
+        if ranking.state == AnswerState::Certified && count < request.members.most {
+            // More members may have another winner.
+            let may_be_close = expected::may_be_close(policy, &stakes, &all[1..], order[0])?;
+            if may_be_close {
+                ranking.state = AnswerState::Degraded;
+                ranking.settled = 0;
+            }
+        }
+        Spreads::default()
+    };
+    if !is_done && ranking.state == AnswerState::Complete {
+        // Something of the scene as stated is open, which is only shown.
+        ranking.state = AnswerState::Certified;
+    }
+    let expected = (0..candidates).map(|k| {
+        let own: Vec<&Course<'_>> = courses.iter().filter(|course| course.candidate == k).collect();
+        expected_row(rounds, &own, &judged.harms[k], spreads.candidates.get(k).copied())
+    });
+    let row = MembersRow {
+        count,
+        most: request.members.most,
+        replaced: rounds.members.replaced,
+        lead: spreads.lead,
+        is_late: false,
+    };
+    judged.members = Some(MembersFound { row, expected: expected.collect() });
+    Ok(judged)
+}
+
+/// What the members of one candidate say.
+fn expected_row(
+    rounds: &Rounds<'_>,
+    courses: &[&Course<'_>],
+    harm: &CourseHarm,
+    spread: Option<Spread>,
+) -> ExpectedRow {
+    let share = 1.0 / courses.len() as f64;
+    let parties = &rounds.scenery.scenario.parties;
+    let met = |party: usize| {
+        let firsts = courses.iter().filter_map(|course| {
+            let with = course.contacts.iter().filter(|contact| contact.meeting.party == party);
+            with.map(|contact| contact.first_touch_s).reduce(f64::min)
+        });
+        let (mut members, mut from_s) = (0_u32, f64::INFINITY);
+        for first_s in firsts {
+            members += 1;
+            from_s = from_s.min(first_s);
+        }
+        let row = MetRow {
+            party: parties[party].name.to_string(),
+            probability: f64::from(members) * share,
+            from_s: from_s + 0.0,
+        };
+        (members > 0).then_some(row)
+    };
+    let mut meets: Vec<MetRow> = (0..parties.len()).filter_map(met).collect();
+    meets.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let any = courses.iter().filter(|course| !course.contacts.is_empty()).count();
+    let sum =
+        |end: fn(Interval) -> f64| harm.persons.iter().map(|risk| end(risk.work)).sum::<f64>();
+    ExpectedRow {
+        contact: any as f64 * share,
+        meets,
+        injured: Interval::new(sum(Interval::lo), sum(Interval::hi)),
+        open: courses.iter().filter(|course| course.is_open()).count() as u32,
+        spread,
+    }
+}
+
+#[cfg(test)]
+mod tests;
