@@ -64,7 +64,7 @@ pub use plan_scene::{
 };
 #[cfg(test)]
 pub(crate) use rounds::first_round;
-pub use stages::{ExpectedRow, MembersRow, MetRow};
+pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
 
@@ -270,8 +270,8 @@ fn follow(
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
     let policy = &*request.criteria.policy;
-    // The scene as stated.
-    let courses = &courses[..request.scenario.candidates.len()];
+    // The scene as stated, and members.
+    let (courses, drawn) = courses.split_at(request.scenario.candidates.len());
     let known = (courses, &harms[..]);
     let mut answer = course_answer::written(
         &scenery,
@@ -285,7 +285,7 @@ fn follow(
         members.write(&mut answer, &ranking, &request.scenario.candidates);
     }
     let explain =
-        || Explanation::new(request.scenario, &people, &request.criteria, known, &ranking);
+        || Explanation::new(request.scenario, &people, &request.criteria, (known, drawn), &ranking);
     let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
     let scene = request.scene.then(|| plan_scene::scene(&scenery, courses));

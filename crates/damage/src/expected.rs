@@ -53,6 +53,8 @@ pub struct Spreads {
     pub candidates: Vec<Spread>,
     /// `None` of a single candidate.
     pub lead: Option<Lead>,
+    /// Per candidate: its leading measure in each member.
+    pub leading: Vec<Vec<f64>>,
 }
 
 /// The mean of some courses of one candidate: whatever is open in one is open in the mean.
@@ -188,7 +190,7 @@ pub fn spreads(
         }
         _ => None,
     };
-    Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead })
+    Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead, leading })
 }
 
 /// Whether the lead of a candidate over any other may turn out too close to call, whatever open

@@ -32,10 +32,17 @@ pub fn text(explanation: &Explanation) -> String {
          m/s². A person's risk in several contacts is 1 - Π(1 - R).",
         explanation.heavy_from_m_s, explanation.run_out_m_s2
     ));
+    if explanation.members > 0 {
+        lines.push(format!(
+            "Risks that are compared are means over {} members; contacts are those of the scene as \
+             stated.",
+            explanation.members
+        ));
+    }
     for (at, chain) in explanation.chains.iter().enumerate() {
         lines.push(String::new());
         lines.push(format!("{} {}", at + 1, chain.name));
-        if chain.contacts.is_empty() && chain.open_from_s.is_none() {
+        if chain.contacts.is_empty() && chain.open_from_s.is_none() && explanation.members == 0 {
             lines.push("  contact   none: everybody's risk is 0".to_owned());
         }
         for step in &chain.contacts {
@@ -62,6 +69,10 @@ pub fn text(explanation: &Explanation) -> String {
                 risks.join(" and "),
                 person.risk.hi()
             ));
+        }
+        for person in chain.persons.iter().filter(|_| explanation.members > 0) {
+            let seat = person.seat.map_or(String::new(), |seat| format!(" {seat}"));
+            lines.push(format!("  mean      {}{seat}: R {:.5}", person.party, person.risk.hi()));
         }
         policy(&mut lines, (&chain.steps, chain.why.as_deref(), chain.separates.as_ref()));
     }

@@ -238,6 +238,13 @@ pub use coordinator::CourseRow;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::ExpectedRow;
+/// A candidate in one member of an [`ExpectedRow`].
+///
+/// ```
+/// let member = trolley::MemberRow { harm: 0.1, first: None };
+/// assert!(member.first.is_none(), "it meets nobody");
+/// ```
+pub use coordinator::MemberRow;
 /// The members of an [`Answer`].
 ///
 /// ```

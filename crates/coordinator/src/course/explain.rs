@@ -6,6 +6,7 @@
 //! that decided.
 
 use super::persons::People;
+use super::rounds::means;
 use super::{AssessedContact, Course, counts, harm_by};
 use crate::explain::{ContactChain, PolicyStep, Separation, policy_steps, separation};
 use crate::request::Person;
@@ -32,6 +33,9 @@ pub struct Explanation {
     pub steps: Vec<String>,
     /// How many persons are at stake, in all candidates together.
     pub persons: usize,
+    /// How many members risks are means over; 0: they are those of the scene as stated. Contacts are
+    /// always of that.
+    pub members: u32,
     /// Parameters of contact and dynamics.
     pub parameters: Parameters,
     /// From this change of the ego's velocity on a contact is heavy, and a run-out follows (m/s).
@@ -91,7 +95,8 @@ pub struct CombinedRisk {
     pub party: String,
     /// Seat; none on foot, and where nobody said.
     pub seat: Option<&'static str>,
-    /// R of each contact that the person is in, by its number.
+    /// R of each contact that the person is in, by its number; none where the risk is a mean over
+    /// members.
     pub contacts: Vec<(usize, f64)>,
     /// 1 - Π(1 - R), over open work.
     pub risk: Interval,
@@ -105,9 +110,10 @@ impl Explanation {
         scenario: &Scenario,
         people: &People,
         criteria: &Criteria,
-        (courses, harms): (&[Course<'_>], &[CourseHarm]),
+        ((courses, harms), drawn): ((&[Course<'_>], &[CourseHarm]), &[Course<'_>]),
         ranking: &RankedCandidates,
     ) -> Result<Self, RankError> {
+        let members = drawn.len() / courses.len();
         let Criteria { policy, curves, parameters } = criteria;
         let persons = people.list.len();
         let steps: Vec<String> = policy.steps(persons).iter().map(ToString::to_string).collect();
@@ -124,7 +130,7 @@ impl Explanation {
                 name: name(place.candidate).to_owned(),
                 contacts: course.contacts.iter().filter_map(|c| step(course, c)).collect(),
                 open_from_s: course.open_from_s(),
-                persons: combined(&people.list, course, harm),
+                persons: combined(&people.list, (members == 0).then_some(course), harm),
                 energy_j: harm.energy_j,
                 steps: policy_steps(&steps, &place.steps),
                 why: why.map(|(ground, next)| ground.sentence(name(place.candidate), name(next))),
@@ -141,8 +147,15 @@ impl Explanation {
         };
         let curves: Vec<Curve> = curves.curves.iter().filter(used).cloned().collect();
         let with_curve = |curve: &Curve| {
-            let moved = |harm: &CandidateHarm| Cow::Owned(harm.with_curve(curve));
-            courses.iter().map(|course| harm_by(people, course, None, moved)).collect()
+            let changed = |course| {
+                let moved = |harm: &CandidateHarm| Cow::Owned(harm.with_curve(curve));
+                harm_by(people, course, None, moved)
+            };
+            if members == 0 {
+                return courses.iter().map(changed).collect();
+            }
+            let each = drawn.chunks(courses.len());
+            means(&each.map(|of| of.iter().map(changed).collect()).collect::<Vec<_>>())
         };
         let stability = damage::stability(policy, &people.stakes(), harms, &curves, &with_curve)?;
         Ok(Self {
@@ -150,6 +163,7 @@ impl Explanation {
             board: policy.board.clone(),
             outcome: policy.outcome.name(),
             persons,
+            members: members as u32,
             parameters: (**parameters).clone(),
             heavy_from_m_s: HEAVY_M_S,
             run_out_m_s2: RUN_OUT_M_S2,
@@ -171,9 +185,10 @@ fn step(course: &Course<'_>, contact: &AssessedContact) -> Option<ContactStep> {
     })
 }
 
-/// What makes up the risk of each person.
-fn combined(list: &[Person], course: &Course<'_>, harm: &CourseHarm) -> Vec<CombinedRisk> {
+/// What makes up the risk of each person; without a course it is a mean.
+fn combined(list: &[Person], course: Option<&Course<'_>>, harm: &CourseHarm) -> Vec<CombinedRisk> {
     let of_contacts = |id: PersonId| {
+        let Some(course) = course else { return Vec::new() };
         let counted = course.contacts.iter().enumerate().filter(|(_, c)| counts(course, c));
         let risks = counted.filter_map(move |(number, contact)| {
             let person = contact.harm.persons.iter().find(|person| person.id == id)?;

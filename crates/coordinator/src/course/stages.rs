@@ -42,6 +42,17 @@ pub struct ExpectedRow {
     pub open: u32,
     /// The leading measure over members; `None` where something is open, here or elsewhere.
     pub spread: Option<Spread>,
+    /// Each member, in the order of the sequence; empty where something is open, here or elsewhere.
+    pub members: Vec<MemberRow>,
+}
+
+/// A candidate in one member.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MemberRow {
+    /// The leading measure.
+    pub harm: f64,
+    /// Whom it meets first, by number in [`ExpectedRow::meets`]; `None`: nobody.
+    pub first: Option<usize>,
 }
 
 /// A party that a candidate meets in some members.
@@ -79,6 +90,7 @@ impl MembersFound {
                 injured: Interval::ZERO,
                 open: 0,
                 spread: None,
+                members: Vec::new(),
             };
             let own = core::mem::replace(&mut expected[place.candidate], none);
             if own.open > 0 {
@@ -179,7 +191,8 @@ fn judged(
     }
     let expected = (0..candidates).map(|k| {
         let own: Vec<&Course<'_>> = courses.iter().filter(|course| course.candidate == k).collect();
-        expected_row(rounds, &own, &judged.harms[k], spreads.candidates.get(k).copied())
+        let known = spreads.candidates.get(k).copied().zip(spreads.leading.get(k));
+        expected_row(rounds, &own, &judged.harms[k], known)
     });
     let row = MembersRow {
         count,
@@ -197,7 +210,7 @@ fn expected_row(
     rounds: &Rounds<'_>,
     courses: &[&Course<'_>],
     harm: &CourseHarm,
-    spread: Option<Spread>,
+    known: Option<(Spread, &Vec<f64>)>,
 ) -> ExpectedRow {
     let share = 1.0 / courses.len() as f64;
     let parties = &rounds.scenery.scenario.parties;
@@ -220,6 +233,14 @@ fn expected_row(
     };
     let mut meets: Vec<MetRow> = (0..parties.len()).filter_map(met).collect();
     meets.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let first = |course: &Course<'_>| {
+        let party = parties[course.contacts.first()?.meeting.party].name.as_str();
+        meets.iter().position(|met| met.party == party)
+    };
+    let members = known.map(|(_, leading)| {
+        let rows = leading.iter().zip(courses);
+        rows.map(|(harm, course)| MemberRow { harm: *harm, first: first(course) }).collect()
+    });
     let any = courses.iter().filter(|course| !course.contacts.is_empty()).count();
     let sum =
         |end: fn(Interval) -> f64| harm.persons.iter().map(|risk| end(risk.work)).sum::<f64>();
@@ -228,7 +249,8 @@ fn expected_row(
         meets,
         injured: Interval::new(sum(Interval::lo), sum(Interval::hi)),
         open: courses.iter().filter(|course| course.is_open()).count() as u32,
-        spread,
+        spread: known.map(|(spread, _)| spread),
+        members: members.unwrap_or_default(),
     }
 }
 

@@ -40,6 +40,42 @@ pub(crate) fn whisker(work: [f64; 2], range: [f64; 2], top: f64) -> String {
     )
 }
 
+/// Harm in each member, ascending, coloured by who is met first; `top` is the greatest of all
+/// candidates, on a scale of square roots.
+pub(crate) fn strip(members: &[(f64, Option<usize>)], top: f64, title: &str) -> String {
+    const HIGH: f64 = 28.0;
+    let mut ascending = members.to_vec();
+    ascending.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let width = 160.0 / ascending.len().max(1) as f64;
+    let mut inside = String::new();
+    for (at, (harm, first)) in ascending.iter().enumerate() {
+        let share = if top > 0.0 { (harm / top).max(0.0).sqrt() } else { 0.0 };
+        let height = (HIGH * share).max(1.0);
+        let colour = first.map_or("#999999", |party| COLOURS[party % COLOURS.len()]);
+        let _w = write!(
+            inside,
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" fill=\"{colour}\"/>",
+            width * at as f64,
+            HIGH - height,
+            (0.85 * width).max(0.5)
+        );
+    }
+    format!(
+        "<svg class=\"whisker\" viewBox=\"0 0 160 {HIGH:.0}\" role=\"img\" aria-label=\"{0}\"><title>{0}</title>\
+         {inside}</svg>",
+        escape(title)
+    )
+}
+
+/// A square in the colour of a party in [`strip`].
+pub(crate) fn swatch(party: usize) -> String {
+    let colour = COLOURS[party % COLOURS.len()];
+    format!(
+        "<svg class=\"swatch\" viewBox=\"0 0 10 10\" width=\"10\" height=\"10\" aria-hidden=\"true\">\
+         <rect width=\"10\" height=\"10\" fill=\"{colour}\"/></svg>"
+    )
+}
+
 /// Stages one after the other.
 pub(crate) fn stages(stages: &[(String, f64)]) -> String {
     let total: f64 = stages.iter().map(|(_, ms)| ms).sum();
