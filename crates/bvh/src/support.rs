@@ -18,23 +18,38 @@ pub use extremes::Extremes;
 /// `x·d` is `(x d_x + y d_y) + z d_z` in f64 from the stored f32. A zero is +0.
 #[must_use]
 pub fn support(view: &BodyView<'_>, direction: DVec3) -> f64 {
-    let mut greatest = f64::NEG_INFINITY;
-    for_each_rising(view, direction, |_, value| greatest = value);
+    support_near(view, direction, &mut None)
+}
+
+/// [`support`] where a corner of the body is known that is far in a direction near by, such as the
+/// one that the last call left: most of the tree is then left out. Leaves a corner that is farthest
+/// in this direction.
+#[must_use]
+pub fn support_near(view: &BodyView<'_>, direction: DVec3, near: &mut Option<[f32; 3]>) -> f64 {
+    let mut greatest = near.map_or(f64::NEG_INFINITY, |corner| along(corner, direction));
+    for_each_rising(view, direction, greatest, |corner, value| {
+        greatest = value;
+        *near = Some(corner);
+    });
     greatest + 0.0
 }
 
 /// A corner with the greatest `x·d`; the origin for a body without a tree.
 fn farthest(view: &BodyView<'_>, direction: DVec3) -> [f32; 3] {
     let mut farthest = [0.0; 3];
-    for_each_rising(view, direction, |corner, _| farthest = corner);
+    for_each_rising(view, direction, f64::NEG_INFINITY, |corner, _| farthest = corner);
     farthest
 }
 
-/// Calls `take` with every corner that lies farther than all before, and its distance; the last is
-/// the farthest.
-fn for_each_rising(view: &BodyView<'_>, direction: DVec3, mut take: impl FnMut([f32; 3], f64)) {
+/// Calls `take` with every corner that lies farther than all before and than `greatest` (m), and
+/// its distance; the last is the farthest.
+fn for_each_rising(
+    view: &BodyView<'_>,
+    direction: DVec3,
+    mut greatest: f64,
+    mut take: impl FnMut([f32; 3], f64),
+) {
     let bound = |node: u32| reach(&view.nodes[node as usize].bounds, direction);
-    let mut greatest = f64::NEG_INFINITY;
     // At most one node waits per level of the tree.
     let mut open = SmallVec::<[(u32, f64); 64]>::new();
     if !view.nodes.is_empty() {
@@ -65,7 +80,8 @@ fn for_each_rising(view: &BodyView<'_>, direction: DVec3, mut take: impl FnMut([
 /// [`support`] in each of the directions, given in the body's own frame.
 #[must_use]
 pub fn supports<const N: usize>(view: &BodyView<'_>, directions: &[DVec3; N]) -> [f64; N] {
-    directions.map(|direction| support(view, direction))
+    let mut near = None;
+    directions.map(|direction| support_near(view, direction, &mut near))
 }
 
 fn along(point: [f32; 3], d: DVec3) -> f64 {

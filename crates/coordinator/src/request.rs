@@ -209,7 +209,7 @@ pub(crate) struct Motions {
 
 /// Two bodies on their way: `pose_a` in the world, `pose` of B in A's frame.
 pub(crate) fn approach(
-    (support_a, support_b): (impl Fn(DVec3) -> f64, impl Fn(DVec3) -> f64),
+    (mut support_a, mut support_b): (impl FnMut(DVec3) -> f64, impl FnMut(DVec3) -> f64),
     (pose_a, pose): (&Pose, &RelativePose),
     motions: &Motions,
     (a, b): (&CollisionParty, &CollisionParty),

@@ -68,7 +68,7 @@ pub(super) fn contact(
     people: &People,
     course: &Course<'_>,
     meeting: &NextContact,
-    support_of: &impl Fn(usize, DVec3) -> f64,
+    support_of: &impl Fn(usize, DVec3, &mut Option<[f32; 3]>) -> f64,
 ) -> Result<Candidate, RequestError> {
     let scenario = scenery.scenario;
     let name = &scenario.candidates[course.candidate].name;
@@ -87,7 +87,11 @@ pub(super) fn contact(
     };
     let (a, b) = (side(ego, None), side(other, Some(&pose)));
     let models = [ego, other].map(|number| scenery.models[number]);
-    let supports = (|d: DVec3| support_of(models[0], d), |d: DVec3| support_of(models[1], d));
+    let (mut near_a, mut near_b) = (None, None);
+    let supports = (
+        |d: DVec3| support_of(models[0], d, &mut near_a),
+        |d: DVec3| support_of(models[1], d, &mut near_b),
+    );
     let motions = motions(scenery, course, meeting);
     let approach = approach(supports, (&pose_a, &pose), &motions, (&a, &b));
     let refused = |source| RequestError::Approach { name: name.to_string(), source };

@@ -16,7 +16,7 @@ use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
-use bvh::support::support;
+use bvh::support::support_near;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
 use damage::{CandidateHarm, CourseHarm, Criteria, expected};
@@ -153,9 +153,12 @@ impl<'r> Rounds<'r> {
         is_due: Option<&dyn Fn() -> bool>,
     ) -> Result<Option<(NextContact, Candidate)>, RequestError> {
         let stage = self.stage;
-        let support_of = |model: usize, direction: DVec3| match stage.extremes {
-            Some(extremes) => extremes[model].support(&stage.bodies[model].1, direction),
-            None => support(&stage.bodies[model].1, direction),
+        let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
+            let view = &stage.bodies[model].1;
+            match stage.extremes {
+                Some(extremes) => extremes[model].support(view, direction),
+                None => support_near(view, direction, near),
+            }
         };
         let course = &mut self.courses[k];
         if course.stuck.is_some() {

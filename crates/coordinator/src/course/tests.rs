@@ -10,7 +10,7 @@ use crate::in_process::InProcessExecutor;
 use crate::request::Request;
 use crate::work::SurveyRun;
 use body::{Body, BodyView, Meta, Shape};
-use bvh::support::support;
+use bvh::support::support_near;
 use damage::{AnswerState, Criteria, Policy};
 use geometry::DVec3;
 use geometry::rng::Rng;
@@ -377,7 +377,9 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let member = Rc::new(Member::nominal(&scenery));
         let mut course = Course::new(scenery, member, 0);
         let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
-        let support_of = |model: usize, d: DVec3| support(&views[model].1, d);
+        let support_of = |model: usize, d: DVec3, near: &mut Option<[f32; 3]>| {
+            support_near(&views[model].1, d, near)
+        };
         let candidate = contact(&scenery, &people, &course, &meeting, &support_of);
         let mut candidate = candidate.expect("it closes");
         candidate.lay_plane([&sedan.meta.outlines; 2], meeting.touching.point);
