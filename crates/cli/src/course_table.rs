@@ -5,6 +5,7 @@ use crate::table::{circumstances, kept, lines, percent, plain};
 use report::text::wrap;
 use trolley::{
     Answer, AnswerState, ContactRow, CourseRow, ExpectedRow, MetRow, Note, Run, Severity, Spread,
+    WorldsRow,
 };
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
@@ -40,7 +41,7 @@ fn range(row: &CourseRow) -> String {
 
 /// The table of candidates over members.
 fn expected(answer: &Answer) -> String {
-    let header = ["#", "candidate", "meets", "harm %", "5–95 %", "range %", "best in"];
+    let header = ["#", "candidate", "meets", "harm %", "5–95 %", "range %", "best in", "worlds"];
     let mut table = plain(&header);
     for (at, row) in answer.ranking.iter().enumerate() {
         let Some(of) = &row.expected else { continue };
@@ -59,9 +60,10 @@ fn expected(answer: &Answer) -> String {
             spread(&|s| format!("{}–{}", percent(s.quantiles[0]), percent(s.quantiles[2]))),
             range(row),
             spread(&|s| share(s.best)),
+            of.worlds.map_or("–".into(), share),
         ]);
     }
-    lines(table, &[0, 6])
+    lines(table, &[0, 6, 7])
 }
 
 /// A share of members: "25 %".
@@ -178,6 +180,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     lines.push(format!("{took}."));
     lines.extend(members(answer));
     lines.extend(lead(answer));
+    lines.extend(worlds(answer));
     let notes = answer.notes.iter().filter(|note| !note.is_refusal());
     lines.extend(notes.map(|note| format!("Note: {}.", note.sentence())));
     lines.extend(run.deadline.as_ref().map(kept));
@@ -222,6 +225,23 @@ fn lead(answer: &Answer) -> Option<String> {
             percent(lead.error)
         )
     })
+}
+
+/// In how many worlds the first wins, and what would have another one win.
+fn worlds(answer: &Answer) -> Option<String> {
+    let WorldsRow { count, flips } = answer.worlds.as_ref()?;
+    let won = answer.ranking.first()?.expected.as_ref()?.worlds?;
+    let alone: Vec<String> =
+        flips.iter().map(|flip| format!("{} in {}", flip.doubt.name(), share(flip.lost))).collect();
+    let alone = match alone.as_slice() {
+        [] => "nothing alone has another one win".to_owned(),
+        some => format!("alone, another one wins by {}", some.join(", by ")),
+    };
+    Some(format!(
+        "Of {count} worlds that the model allows it wins {}: draws of restitution, friction, masses \
+         and curves; {alone}.",
+        share(won)
+    ))
 }
 
 /// What is ahead of the ego at the end of its way.

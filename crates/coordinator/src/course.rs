@@ -31,7 +31,8 @@ use body::Shells;
 use damage::course::{HEAVY_M_S, Severity};
 use damage::rule::Stake;
 use damage::{
-    CandidateHarm, CourseHarm, Criteria, Policy, RankedCandidates, Scratch, Unevaluable, rank_in,
+    AnswerState, CandidateHarm, CourseHarm, Criteria, Policy, RankedCandidates, Scratch,
+    Unevaluable, rank_in,
 };
 use runtime::clock;
 use scenario::Scenario;
@@ -53,6 +54,7 @@ mod stop;
 #[cfg(any(test, feature = "faults"))]
 mod trial;
 mod way;
+mod worlds;
 
 pub use course_answer::{Answer, ContactRow, CoursePersonRow, CourseRow, RunOutRow};
 pub use encounter::EncounterEffort;
@@ -67,6 +69,7 @@ pub(crate) use rounds::first_round;
 pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
+pub use worlds::{FlipRow, WorldsRow};
 
 use assessed_contact::AssessedContact;
 use history::{SearchClock, Surveyor};
@@ -114,6 +117,8 @@ pub struct CourseEffort {
     pub surveys_ns: u64,
     /// Time of flags, harm and ranking (ns).
     pub judge_ns: u64,
+    /// Time of worlds (ns).
+    pub worlds_ns: u64,
     /// Candidates that were not followed to their end, as that could not change what was asked for.
     pub spared: u64,
     /// When the request was accepted (ns, monotonic).
@@ -264,8 +269,16 @@ fn follow(
         }
         false => stages::followed(&mut rounds, request, &mut follow)?,
     };
-    let Judged { harms, ranking, members } = judged;
     let Rounds { scenery, people, courses, mut search, mut effort, reports, .. } = rounds;
+    let begun_ns = clock::now_ns();
+    let worlds = if judged.members.is_some() && judged.ranking.state == AnswerState::Complete {
+        let drawn = &courses[request.scenario.candidates.len()..];
+        worlds::found(request, &judged, people.stakes(), drawn, is_due)?
+    } else {
+        None
+    };
+    effort.worlds_ns = clock::now_ns() - begun_ns;
+    let Judged { harms, ranking, members } = judged;
     effort.search = search.effort;
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
@@ -283,6 +296,15 @@ fn follow(
     );
     if let Some(members) = members {
         members.write(&mut answer, &ranking, &request.scenario.candidates);
+        match worlds {
+            Some(worlds) => worlds.write(&mut answer, &ranking),
+            // No world changes the winner.
+            None if answer.state == AnswerState::Complete => {
+                answer.state = AnswerState::Certified;
+                answer.missing.push("in how many worlds each would win".to_owned());
+            }
+            None => {}
+        }
     }
     let explain =
         || Explanation::new(request.scenario, &people, &request.criteria, (known, drawn), &ranking);

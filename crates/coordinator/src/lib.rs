@@ -45,9 +45,9 @@ pub use answer::{PersonRow, PoseRow};
 pub use course::{
     Alternative, Answer, AtHorizon, CombinedRisk, ContactRow, ContactScene, ContactStep,
     CourseChain, CourseEffort, CourseHistory, CoursePersonRow, CourseRequest, CourseRow,
-    EncounterEffort, ExpectedRow, Explanation, MemberRow, MembersRow, MetRow, NearestRow,
+    EncounterEffort, ExpectedRow, Explanation, FlipRow, MemberRow, MembersRow, MetRow, NearestRow,
     PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene, RankedCourses, RunOutRow,
-    rank_courses, replay_courses,
+    WorldsRow, rank_courses, replay_courses,
 };
 #[cfg(any(test, feature = "faults"))]
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};

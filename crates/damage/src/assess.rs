@@ -151,6 +151,29 @@ pub fn assess_in(
     Ok(harm)
 }
 
+/// The nominal risk of everybody in a contact, as [`assess()`] has it, and the energy lost (J).
+/// Nothing is computed but that: for assessments by the thousand. A contact that cannot be evaluated
+/// has none.
+///
+/// # Errors
+///
+/// A person without a curve, or in a fixed object; masses, probabilities and persons are assumed to
+/// be checked.
+pub fn nominal(
+    encounter: &Encounter<'_>,
+    basis: &Basis<'_>,
+    mut take: impl FnMut(PersonId, f64),
+) -> Result<f64, AssessError> {
+    let Some(plane) = encounter.plane else { return Ok(0.0) };
+    let crash = Crash::new(encounter, plane, basis.parameters);
+    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
+        for person in &body.persons {
+            take(person.id, crash.risk(party, person, basis)?.hi());
+        }
+    }
+    Ok(crash.nominal.energy_j)
+}
+
 fn check(encounter: &Encounter<'_>) -> Result<(), AssessError> {
     let Encounter { approach, a, b, probability, .. } = *encounter;
     approach.check()?;

@@ -160,6 +160,17 @@ impl CourseHarm {
         self.is_unevaluable |= harm.unevaluable.is_some();
     }
 
+    /// Adds what a contact does to a person: exactly this risk.
+    pub fn add(&mut self, id: PersonId, risk: f64) {
+        let work = Interval::exactly(risk);
+        let next = Risk { id, work, range: Range::new(risk, risk), high: work };
+        let at = self.persons.partition_point(|risk| risk.id < id);
+        match self.persons.get_mut(at).filter(|risk| risk.id == id) {
+            Some(risk) => *risk = combined(risk, &next),
+            None => self.persons.insert(at, next),
+        }
+    }
+
     /// Leaves open whatever else may happen to some persons, and that `energy_j` more may be lost.
     pub fn leave_open(&mut self, persons: impl Iterator<Item = PersonId>, energy_j: f64) {
         self.is_open = true;

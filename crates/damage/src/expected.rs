@@ -170,15 +170,15 @@ pub fn spreads(
             regret[place.candidate] += place.work.hi() - least;
         }
     }
-    let share = 1.0 / count as f64;
+    let count = count as f64;
     let spread = |k: usize| {
         let mut ascending = leading[k].clone();
         ascending.sort_by(f64::total_cmp);
         Spread {
             error: sampled(&leading[k]).1,
             quantiles: [0.05, 0.5, 0.95].map(|share| quantile(&ascending, share)),
-            best: best[k] * share,
-            regret: regret[k] * share,
+            best: best[k] / count,
+            regret: regret[k] / count,
         }
     };
     let lead = match order {

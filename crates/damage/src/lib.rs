@@ -113,6 +113,7 @@ pub mod plane;
 pub mod policy;
 pub mod rank;
 pub mod rule;
+pub mod world;
 
 #[cfg(test)]
 mod scene;

@@ -198,9 +198,12 @@ impl Touching {
         let curves = Curves::shipped().expect("the shipped curves are sound");
         let parameters = Parameters::shipped().expect("the shipped parameters are sound");
         let basis = Basis { curves: &curves, level: Level::Mais3, parameters: &parameters };
+        assess(&self.encounter(), evidence, &basis)
+    }
+
+    pub(crate) fn encounter(&self) -> Encounter<'_> {
         let Self { scene: Scene { party_a: a, party_b: b, .. }, approach, plane } = self;
-        let encounter = Encounter { approach, plane: Some(plane), a, b, probability: 1.0 };
-        assess(&encounter, evidence, &basis)
+        Encounter { approach, plane: Some(plane), a, b, probability: 1.0 }
     }
 }
 

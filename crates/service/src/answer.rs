@@ -123,6 +123,7 @@ mod tests {
                 settled_places: 0,
                 missing: Vec::new(),
                 members: None,
+                worlds: None,
             };
             let out = lay_out(7, &answer);
             assert_eq!((out.verdict(), out.reason()), (WireState::Refused, Reason::NoneAcceptable));

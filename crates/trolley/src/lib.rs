@@ -238,6 +238,13 @@ pub use coordinator::CourseRow;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::ExpectedRow;
+/// What would have another candidate win, in a [`WorldsRow`].
+///
+/// ```
+/// let flip = trolley::FlipRow { doubt: trolley::Doubt::Masses, lost: 0.1 };
+/// println!("{} alone: lost in {} % of the worlds", flip.doubt.name(), 100.0 * flip.lost);
+/// ```
+pub use coordinator::FlipRow;
 /// A candidate in one member of an [`ExpectedRow`].
 ///
 /// ```
@@ -315,6 +322,17 @@ pub use coordinator::PlanSample;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::PlanScene;
+/// The worlds of an [`Answer`]: draws of what the model does not know, the same for all candidates.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let limits = trolley::Limits::default().with_members(2, Some(2))?;
+/// let answer = engine.rank(&scenario, &limits)?.answer;
+/// assert!(answer.worlds.is_some_and(|worlds| worlds.count == 200));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::WorldsRow;
 /// How a contact changes the ego's motion.
 ///
 /// ```
@@ -337,6 +355,12 @@ pub use damage::Severity;
 /// assert!(spread.best > 0.5 && spread.regret == 0.0);
 /// ```
 pub use damage::expected::Spread;
+/// What the model does not know, as a [`FlipRow`] names it.
+///
+/// ```
+/// assert_eq!(trolley::Doubt::Friction.name(), "friction");
+/// ```
+pub use damage::world::Doubt;
 
 /// The chain from contact to rank, from [`Limits::with_explanation`].
 ///

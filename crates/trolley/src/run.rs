@@ -39,6 +39,8 @@ pub struct Stages {
     pub work_ms: f64,
     /// Harm and ranking.
     pub assess_ms: f64,
+    /// Worlds that the model allows.
+    pub worlds_ms: f64,
     /// Stopping workers and cleaning up.
     pub stop_ms: f64,
 }

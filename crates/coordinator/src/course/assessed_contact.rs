@@ -34,6 +34,8 @@ pub(super) struct AssessedContact {
     pub(super) parts: [Vec<String>; 2],
     pub(super) persons: Vec<PersonRow>,
     pub(super) poses: Vec<PoseRow>,
+    /// What is assessed again in other worlds, if that is wanted.
+    pub(super) candidate: Option<Box<Candidate>>,
     /// If the answer is explained.
     pub(super) chain: Option<Box<ContactChain>>,
     /// If a picture is wanted.
@@ -151,6 +153,7 @@ pub(super) fn assessed(
         parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
         persons: answer::persons(contacts, &harm),
         poses: answer::poses(state),
+        candidate: None,
         chain: None,
         scene: None,
         harm,

@@ -5,6 +5,7 @@ use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted
 use super::persons::People;
 use super::stages::{ExpectedRow, MembersRow};
 use super::way::{Begin, Scenery};
+use super::worlds::WorldsRow;
 use super::{AssessedContact, Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
@@ -37,6 +38,9 @@ pub struct Answer {
     /// The members that harm is the mean of; `None`: it is that of the scene as stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub members: Option<MembersRow>,
+    /// Worlds that the model allows, where all work is done; `None` without members.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worlds: Option<WorldsRow>,
 }
 
 impl Answer {
@@ -233,6 +237,7 @@ pub(super) fn written(
         settled_places: ranking.settled,
         missing: open.collect(),
         members: None,
+        worlds: None,
     }
 }
 

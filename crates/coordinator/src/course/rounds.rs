@@ -309,6 +309,9 @@ impl<'r> Rounds<'r> {
         let candidate = &contacts.candidates[number];
         let mut assessed = assessed(contacts, work, number, meeting, harm);
         let state = &work.candidate_states()[number];
+        if self.drawn() > 0 {
+            assessed.candidate = Some(Box::new(candidate.clone()));
+        }
         if self.request.scene {
             assessed.scene = Some(Box::new(ContactScene::of(candidate, state)));
         }

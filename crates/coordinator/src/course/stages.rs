@@ -42,6 +42,8 @@ pub struct ExpectedRow {
     pub open: u32,
     /// The leading measure over members; `None` where something is open, here or elsewhere.
     pub spread: Option<Spread>,
+    /// The share of worlds that it wins, where these were drawn.
+    pub worlds: Option<f64>,
     /// Each member, in the order of the sequence; empty where something is open, here or elsewhere.
     pub members: Vec<MemberRow>,
 }
@@ -90,6 +92,7 @@ impl MembersFound {
                 injured: Interval::ZERO,
                 open: 0,
                 spread: None,
+                worlds: None,
                 members: Vec::new(),
             };
             let own = core::mem::replace(&mut expected[place.candidate], none);
@@ -250,6 +253,7 @@ fn expected_row(
         injured: Interval::new(sum(Interval::lo), sum(Interval::hi)),
         open: courses.iter().filter(|course| course.is_open()).count() as u32,
         spread: known.map(|(spread, _)| spread),
+        worlds: None,
         members: members.unwrap_or_default(),
     }
 }

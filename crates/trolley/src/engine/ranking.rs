@@ -152,6 +152,7 @@ impl Engine {
             start_ms: milliseconds(started_ns - loaded_ns),
             work_ms: milliseconds(effort.surveys_ns),
             assess_ms: milliseconds(effort.judge_ns),
+            worlds_ms: milliseconds(effort.worlds_ns),
             stop_ms: 0.0,
         };
         let due = limits.deadline(parsed.deadline);

@@ -73,6 +73,7 @@ fn stages(run: &Run) -> Vec<RecordedStage> {
         ("start", s.start_ms),
         ("work", s.work_ms),
         ("assess", s.assess_ms),
+        ("worlds", s.worlds_ms),
         ("stop", s.stop_ms),
     ];
     all.into_iter().map(|(name, ms)| RecordedStage { name: name.to_owned(), ms }).collect()
