@@ -1,5 +1,5 @@
-//! The corners of a body that can be farthest, by direction: computed once per body, for many
-//! queries.
+//! The corners of a body that can be farthest, by direction: computed once, when a direction is first
+//! asked for, for many queries.
 //!
 //! Directions are sorted into the cells of a cube around the origin, like the texels of a cube map.
 //! A cell is a cone, spanned by the directions to its four corners. A point that lies behind
@@ -14,6 +14,7 @@
 use super::{along, farthest, reach, support};
 use body::BodyView;
 use geometry::DVec3;
+use std::sync::OnceLock;
 
 /// Cells along an edge of the cube: about 5° each.
 const SIDE: usize = 16;
@@ -28,33 +29,33 @@ const MET_MAX: usize = 8 * POINTS_MAX;
 /// by less than a millionth of it.
 const MARGIN: f64 = 1e-9;
 
-/// The location of a cell's points.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    first: u32,
-    /// Number of points; 0 means the tree is used.
-    count: u32,
-}
+/// The points of a cell; none: the tree is used.
+type Cell = Box<[[f32; 3]]>;
 
 /// The candidate points of one body, by direction. Queries must pass the body it was built from.
 #[derive(Clone, Debug)]
 pub struct Extremes {
-    cells: Vec<Cell>,
-    points: Vec<[f32; 3]>,
+    cells: Vec<OnceLock<Cell>>,
+    /// Points behind by less than this (m) are kept.
+    margin: f64,
 }
 
 impl Extremes {
-    /// Analyses a body: about ten milliseconds for ten thousand triangles. The result takes at most
-    /// five megabytes for any body.
+    /// Of a body, with nothing computed yet.
     #[must_use]
-    pub fn of(view: &BodyView<'_>) -> Self {
-        let mut extremes =
-            Self { cells: Vec::with_capacity(FACES * SIDE * SIDE), points: Vec::new() };
+    pub fn new(view: &BodyView<'_>) -> Self {
         let size = view.bounds();
         let most =
             size.min.iter().chain(&size.max).fold(0.0, |most: f64, x| most.max(x.abs().into()));
+        Self { cells: vec![OnceLock::new(); FACES * SIDE * SIDE], margin: MARGIN * most }
+    }
+
+    /// Of a body, with everything computed: about ten milliseconds for ten thousand triangles. The
+    /// result takes at most five megabytes for any body.
+    #[must_use]
+    pub fn of(view: &BodyView<'_>) -> Self {
+        let extremes = Self::new(view);
         let mut front = Vec::with_capacity((SIDE + 1) * (SIDE + 1));
-        let mut met = Vec::new();
         for face in 0..FACES {
             front.clear();
             for at in 0..(SIDE + 1) * (SIDE + 1) {
@@ -64,36 +65,35 @@ impl Extremes {
             for cell in 0..SIDE * SIDE {
                 let from = cell / SIDE * (SIDE + 1) + cell % SIDE;
                 let around = [from, from + 1, from + SIDE + 1, from + SIDE + 2].map(|at| front[at]);
-                let cone = Cone::of(around, MARGIN * most);
-                extremes.add(view, &cone, &mut met);
+                let points = Cone::of(around, extremes.margin).points(view);
+                extremes.cells[face * SIDE * SIDE + cell].get_or_init(|| points);
             }
         }
-        extremes.points.shrink_to_fit();
         extremes
     }
 
-    /// Adds the list of the next cell.
-    fn add(&mut self, view: &BodyView<'_>, cone: &Cone, met: &mut Vec<[f32; 3]>) {
-        cone.meet(view, met);
-        // As bits: the sort treats +0 and −0 as different points, which is harmless.
-        met.sort_unstable_by_key(|point| point.map(f32::to_bits));
-        met.dedup();
-        let first = self.points.len() as u32;
-        let count = if met.len() <= POINTS_MAX { met.len() as u32 } else { 0 };
-        self.points.extend_from_slice(&met[..count as usize]);
-        self.cells.push(Cell { first, count });
+    /// The points of a cell.
+    fn cell(&self, view: &BodyView<'_>, number: usize) -> &[[f32; 3]] {
+        self.cells[number].get_or_init(|| {
+            let (face, cell) = (number / (SIDE * SIDE), number % (SIDE * SIDE));
+            let (row, column) = (cell / SIDE, cell % SIDE);
+            let around =
+                [(row, column), (row, column + 1), (row + 1, column), (row + 1, column + 1)];
+            let around = around.map(|(row, column)| {
+                let toward = corner(face, row, column);
+                (toward, farthest(view, toward))
+            });
+            Cone::of(around, self.margin).points(view)
+        })
     }
 
     /// [`support`] of the body from which this was built.
     #[must_use]
     pub fn support(&self, view: &BodyView<'_>, direction: DVec3) -> f64 {
-        let Some(Cell { first, count }) = cell_of(direction).map(|cell| self.cells[cell]) else {
-            return support(view, direction);
-        };
-        if count == 0 {
+        let points = cell_of(direction).map_or(&[][..], |cell| self.cell(view, cell));
+        if points.is_empty() {
             return support(view, direction);
         }
-        let points = &self.points[first as usize..(first + count) as usize];
         let greatest = |greatest: f64, point| greatest.max(along(point, direction));
         points.iter().copied().fold(f64::NEG_INFINITY, greatest) + 0.0
     }
@@ -149,6 +149,19 @@ impl Cone {
     /// Whether a point with these reaches along the edges lies behind one of the points in front.
     fn is_behind(&self, reaches: [f64; 4]) -> bool {
         self.bars.iter().any(|bars| bars.iter().zip(&reaches).all(|(bar, reach)| reach < bar))
+    }
+
+    /// All corners that are not behind, each once; none if there are too many.
+    fn points(&self, view: &BodyView<'_>) -> Cell {
+        let mut met = Vec::new();
+        self.meet(view, &mut met);
+        // As bits: the sort treats +0 and −0 as different points, which is harmless.
+        met.sort_unstable_by_key(|point| point.map(f32::to_bits));
+        met.dedup();
+        if met.len() > POINTS_MAX {
+            met.clear();
+        }
+        met.into_boxed_slice()
     }
 
     /// Collects all corners that are not behind, with duplicates; stops when there are too many.

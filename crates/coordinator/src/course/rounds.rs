@@ -16,7 +16,7 @@ use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
-use bvh::support::support_near;
+use bvh::support::{Extremes, support_near};
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
 use damage::{CandidateHarm, CourseHarm, Criteria, expected};
@@ -37,6 +37,9 @@ pub(super) struct Rounds<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
+    /// The extremes of each body, as far as they were asked for: for members, of whom each asks much
+    /// the same.
+    extremes: Vec<Extremes>,
     buffers: SurveyBuffers,
 }
 
@@ -86,12 +89,17 @@ impl<'r> Rounds<'r> {
             search: EncounterSearch::default(),
             effort: CourseEffort::default(),
             reports: Vec::new(),
+            extremes: Vec::new(),
             buffers: SurveyBuffers::default(),
         }
     }
 
     /// Draws members until there are so many; the candidates begin in the new ones.
     pub(super) fn draw(&mut self, count: u32) -> Result<(), RequestError> {
+        if self.extremes.is_empty() {
+            let bodies = self.stage.bodies.iter();
+            self.extremes = bodies.map(|(_, view)| Extremes::new(view)).collect();
+        }
         let known = self.members.list.len();
         self.members.draw(count as usize, &mut self.search)?;
         let candidates = self.scenery.scenario.candidates.len();
@@ -152,11 +160,11 @@ impl<'r> Rounds<'r> {
         k: usize,
         is_due: Option<&dyn Fn() -> bool>,
     ) -> Result<Option<(NextContact, Candidate)>, RequestError> {
-        let stage = self.stage;
+        let (stage, extremes) = (self.stage, &self.extremes[..]);
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
-            match stage.extremes {
-                Some(extremes) => extremes[model].support(view, direction),
+            match stage.extremes.unwrap_or(extremes).get(model) {
+                Some(extremes) => extremes.support(view, direction),
                 None => support_near(view, direction, near),
             }
         };

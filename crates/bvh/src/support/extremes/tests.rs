@@ -13,7 +13,7 @@ proptest! {
     ) {
         let body = body_of(&corners, &options(build, 4));
         let view = body.view();
-        let extremes = Extremes::of(&view);
+        let (extremes, empty) = (Extremes::of(&view), Extremes::new(&view));
         let mut d = DVec3::from_array(d);
         for axis in 0..3 {
             // Along axes and in their planes directions lie between cells, and zeros have signs.
@@ -24,6 +24,7 @@ proptest! {
         }
         let found = extremes.support(&view, d);
         prop_assert_eq!(found.to_bits(), support(&view, d).to_bits());
+        prop_assert_eq!(found.to_bits(), empty.support(&view, d).to_bits());
     }
 }
 
@@ -34,7 +35,11 @@ fn a_finer_body_is_asked_in_thousands_of_directions() {
         let body = body_of(&corners, &options(Build::Paper, 4));
         let view = body.view();
         let extremes = Extremes::of(&view);
-        let listed = extremes.cells.iter().filter(|cell| cell.count > 0).count();
+        let listed = extremes
+            .cells
+            .iter()
+            .filter(|cell| cell.get().is_some_and(|of| !of.is_empty()))
+            .count();
         assert!(listed * 10 > extremes.cells.len() * 9, "{listed}");
         let measured = directions().d;
         for step in 0..4_000 {
