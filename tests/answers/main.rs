@@ -8,6 +8,7 @@ mod deadline;
 mod explain;
 mod horizon;
 mod identical;
+mod members;
 mod oracle;
 mod policy;
 mod record;

@@ -97,7 +97,8 @@ fn members(answer: &Answer) -> Option<String> {
         format!("; with the first, {:.4} persons are expected to be injured", of.injured.hi())
     });
     Some(format!(
-        "Harm is the mean over {} members: draws of what is known only up to errors{injured}{replaced}.",
+        "Harm is the mean over {} members: draws of what is known only up to \
+         errors{injured}{replaced}.",
         of.count
     ))
 }
@@ -238,8 +239,8 @@ fn worlds(answer: &Answer) -> Option<String> {
         some => format!("alone, another one wins by {}", some.join(", by ")),
     };
     Some(format!(
-        "Of {count} worlds that the model allows it wins {}: draws of restitution, friction, masses \
-         and curves; {alone}.",
+        "Of {count} worlds that the model allows it wins {}: draws of restitution, friction, \
+         masses and curves; {alone}.",
         share(won)
     ))
 }

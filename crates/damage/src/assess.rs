@@ -152,8 +152,8 @@ pub fn assess_in(
 }
 
 /// The nominal risk of everybody in a contact, as [`assess()`] has it, and the energy lost (J).
-/// Nothing is computed but that: for assessments by the thousand. A contact that cannot be evaluated
-/// has none.
+/// Nothing is computed but that: for assessments by the thousand. A contact that cannot be
+/// evaluated has none.
 ///
 /// # Errors
 ///

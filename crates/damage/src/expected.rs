@@ -86,18 +86,18 @@ pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm> + Clone) -> Course
         sum.is_unevaluable |= course.is_unevaluable;
     }
     let share = 1.0 / count as f64;
-    let of = |interval: Interval, most: f64| interval.map(|x| (x * share).min(most));
+    let scaled = |interval: Interval, most: f64| interval.map(|x| (x * share).min(most));
     for risk in &mut sum.persons {
-        let work = of(risk.work, 1.0);
+        let work = scaled(risk.work, 1.0);
         let [low, high] = [risk.range.low(), risk.range.high()].map(|x| (x * share).min(1.0));
         *risk = Risk {
             work,
             range: Range::new(low, high.max(low)).around(work),
-            high: of(risk.high, 1.0),
+            high: scaled(risk.high, 1.0),
             ..*risk
         };
     }
-    sum.energy_j = of(sum.energy_j, f64::INFINITY);
+    sum.energy_j = scaled(sum.energy_j, f64::INFINITY);
     for group in [&mut sum.others.all, &mut sum.others.vulnerable, &mut sum.others.uninvolved] {
         group.1 *= share;
     }

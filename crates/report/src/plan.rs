@@ -284,10 +284,10 @@ fn ranking(rows: &[(usize, &CourseRow)], body: &mut String) {
     body.push_str("</tbody></table></div>");
     if all().next().is_some() {
         body.push_str(
-            "<p class=\"key\">Harm is the mean over members, draws of what is known only up to errors, \
-             ± its sampling error. Bars: harm in each member, ascending, on a scale of square \
-             roots, in the colour of who is met first. Pictures and contacts below are of the scene \
-             as stated.</p>",
+            "<p class=\"key\">Harm is the mean over members, draws of what is known only up to \
+             errors, ± its sampling error. Bars: harm in each member, ascending, on a scale of \
+             square roots, in the colour of who is met first. Pictures and contacts below are of \
+             the scene as stated.</p>",
         );
     }
     body.push_str(

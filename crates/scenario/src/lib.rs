@@ -59,7 +59,7 @@ pub use decimal::decimal;
 pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
-pub use members::{Draw, Errors, Members, PartyDraw};
+pub use members::{Errors, MemberDraw, Members, PartyDraw};
 pub use rules::capacity;
 pub use scenario::{
     CANDIDATES_MAX, CIRCLE_ERROR_M, Candidate, FileRef, GivenMotion, GivenState, Motion, Name,

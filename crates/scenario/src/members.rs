@@ -60,7 +60,7 @@ pub struct PartyDraw {
 
 /// A member.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Draw {
+pub struct MemberDraw {
     /// Per party of the scenario.
     pub parties: Vec<PartyDraw>,
     /// How the velocity after a heavy contact is turned, to the left (degrees).
@@ -139,14 +139,18 @@ impl PartyDraw {
         Self { yaw_deg: 0.0, speed_factor: 1.0, ..self }
     }
 
-    fn of(errors: &Errors, at: impl Fn(u32) -> f64, [lateral, speed, long, yaw]: [u32; 4]) -> Self {
-        let [a, b] = [lateral, long].map(|dimension| normal::quantile(at(dimension)));
+    fn of(
+        errors: &Errors,
+        coordinate: impl Fn(u32) -> f64,
+        [lateral, speed, long, yaw]: [u32; 4],
+    ) -> Self {
+        let [a, b] = [lateral, long].map(|dimension| normal::quantile(coordinate(dimension)));
         let own = (1.0 - errors.correlation * errors.correlation).max(0.0).sqrt();
         Self {
             lateral_m: errors.lateral_m * a + 0.0,
             longitudinal_m: errors.longitudinal_m * (errors.correlation * a + own * b) + 0.0,
-            yaw_deg: errors.yaw_deg * normal::quantile(at(yaw)) + 0.0,
-            speed_factor: libm::exp(errors.speed_share * normal::quantile(at(speed))),
+            yaw_deg: errors.yaw_deg * normal::quantile(coordinate(yaw)) + 0.0,
+            speed_factor: libm::exp(errors.speed_share * normal::quantile(coordinate(speed))),
             choice: 0.0,
         }
     }
@@ -168,22 +172,23 @@ pub fn world_coordinate(number: u32, dimension: u32) -> f64 {
 impl Scenario {
     /// Point `number` of the sequence, as a member.
     #[must_use]
-    pub fn draw(&self, number: u32) -> Draw {
-        let at = |dimension: u32| f64::from(sobol_burley::sample(number, dimension, SEED));
+    pub fn draw(&self, number: u32) -> MemberDraw {
+        let coordinate = |dimension: u32| f64::from(sobol_burley::sample(number, dimension, SEED));
         let mut before = OF_EGO;
         let parties = self.parties.iter().enumerate().map(|(index, party)| {
             if index == self.ego.0 {
-                return PartyDraw::of(&party.errors, at, [0, 1, 2, 3]);
+                return PartyDraw::of(&party.errors, coordinate, [0, 1, 2, 3]);
             }
             let first = before;
             before += OF_OTHER;
-            let draw = PartyDraw::of(&party.errors, at, [first + 1, first, first + 2, first + 3]);
-            PartyDraw { choice: at(first + 4), ..draw }
+            let draw =
+                PartyDraw::of(&party.errors, coordinate, [first + 1, first, first + 2, first + 3]);
+            PartyDraw { choice: coordinate(first + 4), ..draw }
         });
-        Draw {
+        MemberDraw {
             parties: parties.collect(),
-            run_out_turn_deg: RUN_OUT_TURN_DEG * normal::quantile(at(RUN_OUT)) + 0.0,
-            run_out_share: at(RUN_OUT + 1),
+            run_out_turn_deg: RUN_OUT_TURN_DEG * normal::quantile(coordinate(RUN_OUT)) + 0.0,
+            run_out_share: coordinate(RUN_OUT + 1),
         }
     }
 }

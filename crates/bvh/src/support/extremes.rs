@@ -1,5 +1,5 @@
-//! The corners of a body that can be farthest, by direction: computed once, when a direction is first
-//! asked for, for many queries.
+//! The corners of a body that can be farthest, by direction: computed once, when a direction is
+//! first asked for, for many queries.
 //!
 //! Directions are sorted into the cells of a cube around the origin, like the texels of a cube map.
 //! A cell is a cone, spanned by the directions to its four corners. A point that lies behind

@@ -184,7 +184,8 @@ impl CourseRow {
         self.hits_nobody() && self.parts_from.is_empty() && self.maybe_inside.is_empty()
     }
 
-    /// Whether the ego hits nobody, in any member, though it may be in contact with somebody at the start.
+    /// Whether the ego hits nobody, in any member, though it may be in contact with somebody at the
+    /// start.
     #[must_use]
     pub fn hits_nobody(&self) -> bool {
         let of_member =

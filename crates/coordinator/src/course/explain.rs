@@ -33,8 +33,8 @@ pub struct Explanation {
     pub steps: Vec<String>,
     /// How many persons are at stake, in all candidates together.
     pub persons: usize,
-    /// How many members risks are means over; 0: they are those of the scene as stated. Contacts are
-    /// always of that.
+    /// How many members risks are means over; 0: they are those of the scene as stated. Contacts
+    /// are always of that.
     pub members: u32,
     /// Parameters of contact and dynamics.
     pub parameters: Parameters,

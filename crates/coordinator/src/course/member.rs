@@ -10,7 +10,7 @@ use crate::request::RequestError;
 use damage::course::RunOut;
 use damage::party::is_fixed;
 use geometry::motion::{MotionPath, PathError};
-use scenario::{Candidate, Draw, Motion, PartyDraw};
+use scenario::{Candidate, MemberDraw, Motion, PartyDraw};
 use std::borrow::Cow;
 use std::rc::Rc;
 
@@ -49,7 +49,7 @@ impl<'s> Member<'s> {
     }
 
     /// The scene of a draw.
-    fn drawn(scenery: &Scenery<'s>, draw: &Draw) -> Result<Self, PathError> {
+    fn drawn(scenery: &Scenery<'s>, draw: &MemberDraw) -> Result<Self, PathError> {
         let scenario = scenery.scenario;
         let path = |motion: &'s Motion, party: usize| {
             let of = &draw.parties[party];

@@ -37,8 +37,8 @@ pub(super) struct Rounds<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
-    /// The extremes of each body, as far as they were asked for: for members, of whom each asks much
-    /// the same.
+    /// The extremes of each body, as far as they were asked for: for members, of whom each asks
+    /// much the same.
     extremes: Vec<Extremes>,
     buffers: SurveyBuffers,
 }
@@ -61,8 +61,8 @@ pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> R
 /// The expected harm of every candidate; `harms[m][k]` is that of candidate k in member m.
 pub(super) fn means(harms: &[Vec<CourseHarm>]) -> Vec<CourseHarm> {
     let candidates = harms.first().map_or(0, Vec::len);
-    let of = |k: usize| expected::mean(harms.iter().map(move |member| &member[k]));
-    (0..candidates).map(of).collect()
+    let mean = |k: usize| expected::mean(harms.iter().map(move |member| &member[k]));
+    (0..candidates).map(mean).collect()
 }
 
 impl<'r> Rounds<'r> {

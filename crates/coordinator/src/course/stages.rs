@@ -115,7 +115,8 @@ impl MembersFound {
         if row.is_late {
             answer.state = AnswerState::Degraded;
             answer.missing.push(format!(
-                "the best two are too close to call with {} members, and there was no time for more",
+                "the best two are too close to call with {} members, and there was no time for \
+                 more",
                 row.count
             ));
         }

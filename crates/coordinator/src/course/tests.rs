@@ -29,6 +29,15 @@ pub(super) fn drawn(text: &str, bodies: &[&Body]) -> (Answer, PlanScene) {
 
 /// What all the work on it gave.
 pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> RankedCourses {
+    attempted(text, bodies, limits).expect("it can be ranked")
+}
+
+/// The same of what may be refused.
+pub(super) fn attempted(
+    text: &str,
+    bodies: &[&Body],
+    limits: RequestLimits,
+) -> Result<RankedCourses, RunError> {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = Scenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -51,12 +60,12 @@ pub(super) fn worked_within(text: &str, bodies: &[&Body], limits: RequestLimits)
     };
     let executor = InProcessExecutor::with_room_for(&views);
     let mut backend = Backend::InProcess(Box::new(executor));
-    let ranked = rank_courses(&stage, &request, limits, &mut backend).expect("it can be ranked");
+    let ranked = rank_courses(&stage, &request, limits, &mut backend)?;
     let history = ranked.history.as_ref().expect("it was requested");
     let again = replay_courses(&stage, &request, history).expect("it can be ranked again");
     assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
     assert_eq!(again.explanation, ranked.explanation);
-    ranked
+    Ok(ranked)
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> Answer {

@@ -187,8 +187,9 @@ fn hold(row: &CourseRow, end: &CourseRow, result: &mut TrialResult) {
     }
 }
 
-/// A random scene as the text of a scenario, some with members, of generated bodies: 2 to 4 ways of a car among 2 to 5
-/// parties, which move, turn, stand or overlap it at the start; some ways begin with a touch.
+/// A random scene as the text of a scenario, some with members, of generated bodies: 2 to 4 ways of
+/// a car among 2 to 5 parties, which move, turn, stand or overlap it at the start; some ways begin
+/// with a touch.
 #[must_use]
 pub fn random_courses(rng: &mut Rng) -> String {
     const SHAPES: [&str; 7] = ["sedan", "suv", "cyclist", "pedestrian", "truck", "pole", "wall"];

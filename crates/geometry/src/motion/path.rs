@@ -224,8 +224,8 @@ impl MotionPath {
         Self::new(&[state, State { time_s: to_s, ..state }])
     }
 
-    /// The same path of a body that is always moved by this much in its own frame, forward and to the
-    /// left (m), level with the ground, and turned to the left by an angle (degrees).
+    /// The same path of a body that is always moved by this much in its own frame, forward and to
+    /// the left (m), level with the ground, and turned to the left by an angle (degrees).
     ///
     /// # Errors
     ///

@@ -54,14 +54,16 @@ pub(crate) fn strip(members: &[(f64, Option<usize>)], top: f64, title: &str) -> 
         let colour = first.map_or("#999999", |party| COLOURS[party % COLOURS.len()]);
         let _w = write!(
             inside,
-            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" fill=\"{colour}\"/>",
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" \
+             fill=\"{colour}\"/>",
             width * at as f64,
             HIGH - height,
             (0.85 * width).max(0.5)
         );
     }
     format!(
-        "<svg class=\"whisker\" viewBox=\"0 0 160 {HIGH:.0}\" role=\"img\" aria-label=\"{0}\"><title>{0}</title>\
+        "<svg class=\"whisker\" viewBox=\"0 0 160 {HIGH:.0}\" role=\"img\" \
+         aria-label=\"{0}\"><title>{0}</title>\
          {inside}</svg>",
         escape(title)
     )
@@ -71,7 +73,8 @@ pub(crate) fn strip(members: &[(f64, Option<usize>)], top: f64, title: &str) -> 
 pub(crate) fn swatch(party: usize) -> String {
     let colour = COLOURS[party % COLOURS.len()];
     format!(
-        "<svg class=\"swatch\" viewBox=\"0 0 10 10\" width=\"10\" height=\"10\" aria-hidden=\"true\">\
+        "<svg class=\"swatch\" viewBox=\"0 0 10 10\" width=\"10\" height=\"10\" \
+         aria-hidden=\"true\">\
          <rect width=\"10\" height=\"10\" fill=\"{colour}\"/></svg>"
     )
 }

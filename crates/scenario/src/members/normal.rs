@@ -22,8 +22,8 @@ pub(super) fn quantile(p: f64) -> f64 {
 
 /// A polynomial over another one, by Horner's rule; coefficients ascend.
 fn ratio(r: f64, [over, under]: &[[f64; 8]; 2]) -> f64 {
-    let at = |of: &[f64; 8]| of.iter().rev().fold(0.0, |sum, c| sum * r + c);
-    at(over) / at(under)
+    let value = |of: &[f64; 8]| of.iter().rev().fold(0.0, |sum, c| sum * r + c);
+    value(over) / value(under)
 }
 
 const CENTRE: [[f64; 8]; 2] = [

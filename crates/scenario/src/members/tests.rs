@@ -29,7 +29,7 @@ fn scene() -> Scenario {
 }
 
 /// Party 0 is the car, party 1 the ego.
-fn draws(count: u32) -> Vec<Draw> {
+fn draws(count: u32) -> Vec<MemberDraw> {
     let scene = scene();
     (0..count).map(|number| scene.draw(number)).collect()
 }
@@ -37,12 +37,12 @@ fn draws(count: u32) -> Vec<Draw> {
 #[test]
 fn draws_have_the_spread_that_is_stated() {
     let draws = draws(4096);
-    let mean = |of: &dyn Fn(&Draw) -> f64| draws.iter().map(of).sum::<f64>() / 4096.0;
-    let ego = |draw: &Draw| draw.parties[1];
-    let lateral = |draw: &Draw| ego(draw).lateral_m;
-    let along = |draw: &Draw| ego(draw).longitudinal_m;
+    let mean = |of: &dyn Fn(&MemberDraw) -> f64| draws.iter().map(of).sum::<f64>() / 4096.0;
+    let ego = |draw: &MemberDraw| draw.parties[1];
+    let lateral = |draw: &MemberDraw| ego(draw).lateral_m;
+    let along = |draw: &MemberDraw| ego(draw).longitudinal_m;
     for (of, deviation) in [
-        (&lateral as &dyn Fn(&Draw) -> f64, 0.5),
+        (&lateral as &dyn Fn(&MemberDraw) -> f64, 0.5),
         (&along, 1.0),
         (&|draw| ego(draw).yaw_deg, 3.0),
         (&|draw| libm::log(ego(draw).speed_factor), 0.2),
@@ -67,11 +67,11 @@ fn a_few_members_are_spread_evenly() {
     for count in [2, 8, 32, 128] {
         let draws = draws(count);
         for of in [
-            &|draw: &Draw| draw.parties[1].lateral_m,
-            &|draw: &Draw| draw.parties[1].yaw_deg,
-            &|draw: &Draw| draw.parties[0].choice - 0.5,
-            &|draw: &Draw| draw.run_out_share - 0.5,
-        ] as [&dyn Fn(&Draw) -> f64; 4]
+            &|draw: &MemberDraw| draw.parties[1].lateral_m,
+            &|draw: &MemberDraw| draw.parties[1].yaw_deg,
+            &|draw: &MemberDraw| draw.parties[0].choice - 0.5,
+            &|draw: &MemberDraw| draw.run_out_share - 0.5,
+        ] as [&dyn Fn(&MemberDraw) -> f64; 4]
         {
             let below = draws.iter().filter(|draw| of(draw) < 0.0).count();
             assert_eq!(below, count as usize / 2);

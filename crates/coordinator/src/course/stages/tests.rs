@@ -1,7 +1,7 @@
 //! Harm is the mean over members, which are what they say; stages end as they should.
 
-use crate::course::tests::{ego, go_on, party, worked_within};
-use crate::fixtures::body;
+use crate::course::tests::{attempted, ego, go_on, party, worked_within};
+use crate::fixtures::{body, cuboid, sedan_of};
 use crate::request_limits::{RequestLimits, Until};
 use crate::{Answer, CourseRow};
 use body::{Body, Shape};
@@ -125,6 +125,31 @@ fn draws_in_which_bodies_overlap_are_replaced() {
     // Stated as overlapping, they are left so.
     let overlapping = ranked(&text(4.0), &[&sedan, &sedan]);
     assert_eq!(overlapping.members.map(|members| members.replaced), Some(0));
+}
+
+/// Where nearly no draw is possible, the request is refused, and the party named.
+#[test]
+fn what_overlaps_in_nearly_every_draw_is_refused() {
+    let sedan = body(Shape::Sedan, 900);
+    // A lane between two walls, two millimetres wider than the car.
+    let bounds = sedan.view().bounds();
+    let [low, high] = [bounds.min[1], bounds.max[1]].map(f64::from);
+    let lane = [
+        cuboid([-9.0, high + 0.001, 0.0], [9.0, 9.0, 3.0]),
+        cuboid([-9.0, -9.0, 0.0], [9.0, low - 0.001, 3.0]),
+    ];
+    let lane = sedan_of(lane.concat());
+    let beside = party("lane", "sedan", "place = { position_m = [0, 0, 0] }");
+    let text = format!("members = 32\n{}{beside}{}", ego(), go_on(5.0));
+    let refused = attempted(&text, &[&sedan, &lane], RequestLimits::default());
+    let message = refused.expect_err("it is refused").to_string();
+    assert!(message.contains("\"lane\"") && message.contains("of 1024 draws"), "{message}");
+    let stated = attempted(
+        &text.replace("members = 32", "members = 1"),
+        &[&sedan, &lane],
+        RequestLimits::default(),
+    );
+    assert!(stated.is_ok(), "as stated they are apart");
 }
 
 /// Two ways that are too close to call take more members; clear ones do not.
