@@ -162,8 +162,8 @@ const SEED: u32 = 2018;
 /// The seed of the sequence of worlds.
 const WORLD_SEED: u32 = 34;
 
-/// A coordinate of point `number` of the sequence of worlds, in [0, 1): another sequence than that of
-/// members, so that worlds and members have nothing to do with each other.
+/// A coordinate of point `number` of the sequence of worlds, in \[0, 1): another sequence than that
+/// of members, so that worlds and members have nothing to do with each other.
 #[must_use]
 pub fn world_coordinate(number: u32, dimension: u32) -> f64 {
     f64::from(sobol_burley::sample(number, dimension, WORLD_SEED))

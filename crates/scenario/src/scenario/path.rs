@@ -212,8 +212,8 @@ fn until(mut states: Vec<State>, velocity: DVec3, horizon_s: f64) -> Result<Foll
     Ok((MotionPath::new(&cut)?, ends_s))
 }
 
-/// The path of a motion that is faster by a factor from time 0 on: what it did at a time t it does at
-/// t over the factor.
+/// The path of a motion that is faster by a factor from time 0 on: what it did at a time t it does
+/// at t over the factor.
 pub(crate) fn faster(
     motion: &Motion,
     factor: f64,
