@@ -139,13 +139,13 @@ fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
     let file = records.join("000001.record");
     let good = std::fs::read(&file).unwrap();
     let third = std::fs::read(records.join("000002.record")).unwrap();
-    let newer = [&good[..8], &[13, 0, 0, 0], &good[12..]].concat();
+    let newer = [&good[..8], &[99, 0, 0, 0], &good[12..]].concat();
     let older = [&good[..8], &[5, 0, 0, 0], &good[12..]].concat();
     let cases: [(&[u8], &str); 5] = [
         (&good[..good.len() / 2], "was cut"),
         (b"", "not a decision record"),
         (b"hello", "not a decision record"),
-        (&newer, "version 13"),
+        (&newer, "version 99"),
         (&older, "version 5"),
     ];
     for (bytes, says) in cases {

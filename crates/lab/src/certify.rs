@@ -1,4 +1,4 @@
-//! Checks bounds, deadlines and budgets on random requests.
+//! Checks bounds, deadlines, budgets and members on random requests.
 //!
 //! Violations of a bound are counted and reported; any other violation is an error.
 
@@ -6,6 +6,7 @@ mod bounds;
 mod budget;
 mod deadline;
 mod figures;
+mod members;
 mod requests;
 mod share;
 
@@ -13,6 +14,7 @@ pub use bounds::{BoundsOptions, BoundsReport, bounds};
 pub use budget::{BudgetOptions, BudgetReport, budget};
 pub use coordinator::CourseFlaw;
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
+pub use members::{CountRow, FamilyRow, MembersOptions, MembersReport, members};
 pub use share::{ShareOptions, ShareReport, share};
 
 /// Default maximum number of tests per job.

@@ -1,12 +1,12 @@
-//! `trolley certify`: checks bounds, deadlines and budgets on random requests.
+//! `trolley certify`: checks bounds, deadlines, budgets and members on random requests.
 //!
 //! Each verb prints a table, or a JSON document; after a violation the exit code is 1.
 
 use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
-    BUDGET, BoundsOptions, BudgetOptions, CourseFlaw, DeadlineOptions, ShareOptions, bounds,
-    budget, deadline, share,
+    BUDGET, BoundsOptions, BudgetOptions, CourseFlaw, DeadlineOptions, MembersOptions,
+    ShareOptions, bounds, budget, deadline, members, share,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,7 +18,8 @@ Examples:
   trolley certify bounds --stops 100000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
-  trolley certify budget --body sedan.trolley --body suv.trolley";
+  trolley certify budget --body sedan.trolley --body suv.trolley
+  trolley certify members --scenes 12 config/scenarios/crossing.toml";
 
 /// What to measure.
 #[derive(Clone, Debug, clap::Subcommand)]
@@ -31,6 +32,21 @@ pub(crate) enum Verb {
     Deadline(DeadlineArgs),
     /// Check that jobs keep their budget, in tests and in CPU time.
     Budget(BudgetArgs),
+    /// Compare orders by few members with those by many.
+    Members(MembersArgs),
+}
+
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct MembersArgs {
+    /// Recordings and scenarios, each a family of its own beside the generated ones.
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Number of scenes of each generated family.
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    scenes: u32,
+    /// Seed of the generated scenes.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -129,6 +145,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         Verb::Share(_) | Verb::Deadline(_) => "requests",
         Verb::Bounds(_) => "stops",
         Verb::Budget(_) => "jobs",
+        Verb::Members(_) => "scenes",
     });
     let told = |done, total| progress.set(done, total);
     match verb.clone() {
@@ -144,6 +161,11 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
                 FlawName::EndsEarly => CourseFlaw::EndsEarly,
             });
             let report = bounds(&BoundsOptions { stops, per_scene, seed, depth, flaw }, &told)?;
+            let shown = show(&report, || report.text(), output)?;
+            Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
+        }
+        Verb::Members(MembersArgs { files, scenes, seed }) => {
+            let report = members(&MembersOptions { files, scenes, seed }, &told)?;
             let shown = show(&report, || report.text(), output)?;
             Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })
         }

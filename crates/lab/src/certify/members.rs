@@ -1,0 +1,343 @@
+//! How many members it takes: means and orders of fewer members beside those of many.
+//!
+//! One ranking of many members holds those of fewer, as these are the first of the sequence. What is
+//! compared is the policy's leading measure, which under the shipped policy is a mean over persons,
+//! so the mean over members of it is that of the ranking.
+
+use crate::progress::{Progress, SyncProgress};
+use families::FAMILIES;
+use geometry::rng::Rng;
+use runtime::clock;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use trolley::traffic::{TrafficOptions, import};
+use trolley::{Answer, Engine, Failure, Limits, References, Scenario};
+
+mod families;
+
+/// Numbers of members that are compared.
+const COUNTS: [usize; 6] = [8, 16, 32, 64, 128, 256];
+/// How many the reference has.
+const MANY: u32 = 512;
+/// Candidates whose expected harms differ by less than this share are not told apart.
+const APART: f64 = 0.1;
+/// The number of members whose cost is measured, and whose orders are judged.
+const USUAL: usize = 32;
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct MembersOptions {
+    /// Recordings and scenarios, each a family of its own.
+    pub files: Vec<PathBuf>,
+    /// Scenes of each generated family.
+    pub scenes: u32,
+    /// Seed of the generated scenes.
+    pub seed: u64,
+}
+
+/// One number of members.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct CountRow {
+    /// How many; 1: the scene as stated.
+    pub members: usize,
+    /// Pairs of candidates that are told apart, and those of them in the wrong order.
+    pub pairs: u32,
+    /// See there.
+    pub misordered: u32,
+    /// Root mean square of the relative errors of expected harm, per cent.
+    pub error_percent: f64,
+    /// How much more harm the chosen candidates have than the best, of that of the best, per cent.
+    pub regret_percent: f64,
+    /// Scenes with another winner.
+    pub other_winners: u32,
+    /// Those of them whose winners differ by less than the printed sampling error.
+    pub within_error: u32,
+}
+
+/// One family of scenes.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct FamilyRow {
+    /// Its name.
+    pub name: String,
+    /// How many scenes were ranked.
+    pub scenes: u32,
+    /// Pairs that are told apart.
+    pub pairs: u32,
+    /// Misordered as stated, and with 32 members.
+    pub misordered: [u32; 2],
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct MembersReport {
+    schema: &'static str,
+    seed: u64,
+    many: u32,
+    families: Vec<FamilyRow>,
+    counts: Vec<CountRow>,
+    /// How much longer 32 members take than the scene as stated: least, median, most.
+    cost: [f64; 3],
+    /// What worlds take, of the time of the geometry with 32 members, per cent: the median.
+    worlds_percent: f64,
+    /// Scenes that could not be ranked, and why.
+    left_out: Vec<String>,
+}
+
+/// Expected harm by candidate.
+struct Found {
+    /// As stated.
+    stated: Vec<f64>,
+    /// By candidate and member.
+    members: Vec<Vec<f64>>,
+    cost: f64,
+    worlds: f64,
+}
+
+/// Measures. `told` is called with the scenes done.
+///
+/// # Errors
+///
+/// If a file cannot be read. A scene that cannot be ranked is left out, and named.
+pub fn members(options: &MembersOptions, told: SyncProgress<'_>) -> Result<MembersReport, Failure> {
+    let mut families: Vec<(String, Vec<Scenario>)> = Vec::new();
+    for (number, (name, text)) in FAMILIES.into_iter().enumerate() {
+        let mut rng = Rng::new(options.seed ^ ((number as u64) << 32));
+        let scenes = (0..options.scenes).map(|_| Scenario::parse(name, &text(&mut rng)));
+        families.push((name.to_owned(), scenes.collect::<Result<_, _>>()?));
+    }
+    for path in &options.files {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scenario = if trolley::traffic::is_traffic(path) {
+            let text = import(path, &TrafficOptions::default())?.text;
+            Scenario::parse_with(&name, &text, References::Anywhere)?
+        } else {
+            Scenario::open(path)?
+        };
+        families.push((name, vec![scenario.assuming_unknown_is_fixed()]));
+    }
+    let total = families.iter().map(|(_, scenes)| scenes.len() as u64).sum();
+    let bar = Progress::new(total, told);
+    let mut tally = Tally::default();
+    for (name, scenes) in families {
+        tally.families.push(FamilyRow { name: name.clone(), ..FamilyRow::default() });
+        for scenario in scenes {
+            match found(&scenario) {
+                Ok(found) => tally.add(&found),
+                Err(failure) => tally.left_out.push(format!("{name}: {failure}")),
+            }
+            bar.add(1);
+        }
+    }
+    Ok(tally.report(options.seed))
+}
+
+/// Ranks a scene as stated, with the usual number of members, and with many.
+fn found(scenario: &Scenario) -> Result<Found, Failure> {
+    let mut engine = Engine::builder().in_process().build()?;
+    // Bodies are loaded before anything is timed.
+    engine.rank(scenario, &Limits::default().with_members(1, None)?)?;
+    let mut timed = |count: i64| -> Result<_, Failure> {
+        let limits = Limits::default().with_members(count, Some(count))?;
+        let begun_ns = clock::now_ns();
+        let ranking = engine.rank(scenario, &limits)?;
+        Ok((ranking, (clock::now_ns() - begun_ns) as f64))
+    };
+    let (stated, one_ns) = timed(1)?;
+    let (usual, usual_ns) = timed(USUAL as i64)?;
+    let (many, _) = timed(i64::from(MANY))?;
+    let stages = &usual.run.stages;
+    let by_name = |answer: &Answer| {
+        let mut rows: Vec<_> = answer.ranking.clone();
+        rows.sort_by(|a, b| a.name.cmp(&b.name));
+        rows
+    };
+    let harms = by_name(&many.answer).into_iter().map(|row| {
+        let members = row.expected.map_or(Vec::new(), |of| of.members);
+        members.into_iter().map(|member| member.harm).collect()
+    });
+    Ok(Found {
+        stated: by_name(&stated.answer).iter().map(|row| row.work.hi()).collect(),
+        members: harms.collect(),
+        cost: (usual_ns - stages.worlds_ms * 1e6) / one_ns,
+        worlds: stages.worlds_ms / (stages.plan_ms + stages.work_ms),
+    })
+}
+
+fn mean(of: &[f64]) -> f64 {
+    of.iter().sum::<f64>() / of.len() as f64
+}
+
+/// The number of the least; the first of equals.
+fn least(of: &[f64]) -> usize {
+    (0..of.len()).min_by(|a, b| of[*a].total_cmp(&of[*b])).unwrap_or(0)
+}
+
+/// What scenes come to.
+#[derive(Default)]
+struct Tally {
+    families: Vec<FamilyRow>,
+    rows: Vec<CountRow>,
+    /// By number of members: squares of relative errors, how many, regret, harm of the best.
+    sums: Vec<(f64, u32, f64, f64)>,
+    costs: Vec<f64>,
+    worlds: Vec<f64>,
+    left_out: Vec<String>,
+}
+
+impl Tally {
+    fn add(&mut self, found: &Found) {
+        if self.rows.is_empty() {
+            let counts = core::iter::once(1).chain(COUNTS);
+            self.rows = counts.map(|members| CountRow { members, ..CountRow::default() }).collect();
+            self.sums = vec![(0.0, 0, 0.0, 0.0); self.rows.len()];
+        }
+        self.costs.push(found.cost);
+        self.worlds.push(found.worlds);
+        let truth: Vec<f64> = found.members.iter().map(|all| mean(all)).collect();
+        let best = least(&truth);
+        let Some(family) = self.families.last_mut() else { return };
+        family.scenes += 1;
+        for (row, sums) in self.rows.iter_mut().zip(&mut self.sums) {
+            let count = row.members;
+            let seen: Vec<f64> = match count {
+                1 => found.stated.clone(),
+                _ => found.members.iter().map(|all| mean(&all[..count])).collect(),
+            };
+            let mut pairs = (0, 0);
+            for i in 0..truth.len() {
+                for j in 0..i {
+                    let apart = truth[i] - truth[j];
+                    if apart.abs() > APART * truth[i].max(truth[j]) {
+                        pairs.0 += 1;
+                        pairs.1 += u32::from(apart * (seen[i] - seen[j]) <= 0.0);
+                    }
+                }
+            }
+            row.pairs += pairs.0;
+            row.misordered += pairs.1;
+            match count {
+                1 => {
+                    family.pairs += pairs.0;
+                    family.misordered[0] += pairs.1;
+                }
+                USUAL => family.misordered[1] += pairs.1,
+                _ => {}
+            }
+            for (seen, truth) in seen.iter().zip(&truth).filter(|(_, truth)| **truth > 0.0) {
+                sums.0 += (seen / truth - 1.0) * (seen / truth - 1.0);
+                sums.1 += 1;
+            }
+            let winner = least(&seen);
+            sums.2 += truth[winner] - truth[best];
+            sums.3 += truth[best];
+            if truth[winner] > truth[best] {
+                row.other_winners += 1;
+                let error = if count == 1 { 0.0 } else { paired(found, [winner, best], count) };
+                row.within_error += u32::from(truth[winner] - truth[best] < error);
+            }
+        }
+    }
+
+    fn report(mut self, seed: u64) -> MembersReport {
+        for (row, (squares, count, regret, harm)) in self.rows.iter_mut().zip(&self.sums) {
+            row.error_percent = 100.0 * (squares / f64::from(*count).max(1.0)).sqrt();
+            row.regret_percent = if *harm > 0.0 { 100.0 * regret / harm } else { 0.0 };
+        }
+        let middle = |of: &mut Vec<f64>| {
+            of.sort_by(f64::total_cmp);
+            of.get(of.len() / 2).copied().unwrap_or(0.0)
+        };
+        let median = middle(&mut self.costs);
+        let ends = [self.costs.first(), self.costs.last()].map(|end| end.copied().unwrap_or(0.0));
+        MembersReport {
+            schema: "trolley.certify-members/1",
+            seed,
+            many: MANY,
+            families: self.families,
+            counts: self.rows,
+            cost: [ends[0], median, ends[1]],
+            worlds_percent: 100.0 * middle(&mut self.worlds),
+            left_out: self.left_out,
+        }
+    }
+}
+
+/// The sampling error of the difference of two candidates, over so many members.
+fn paired(found: &Found, [a, b]: [usize; 2], count: usize) -> f64 {
+    let pairs = found.members[a][..count].iter().zip(&found.members[b][..count]);
+    let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    let middle = mean(&apart);
+    let squares: f64 = apart.iter().map(|x| (x - middle) * (x - middle)).sum();
+    (squares / (count as f64 - 1.0) / count as f64).sqrt()
+}
+
+impl MembersReport {
+    /// Whether, with 32 members, at most 2 % of the pairs are misordered, and at least 95 % of the
+    /// other winners differ by less than the sampling error.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        let usual = self.counts.iter().find(|row| row.members == USUAL);
+        usual.is_some_and(|row| {
+            f64::from(row.misordered) <= 0.02 * f64::from(row.pairs)
+                && f64::from(row.within_error) >= 0.95 * f64::from(row.other_winners)
+        })
+    }
+
+    /// The report as tables of Markdown, which read as text, too.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let scenes: u32 = self.families.iter().map(|family| family.scenes).sum();
+        let mut text = format!(
+            "{scenes} scenes of {} families, seed {}; truth is the mean over {} members, and pairs \
+             count that differ by more than {:.0} %.\n\n",
+            self.families.len(),
+            self.seed,
+            self.many,
+            100.0 * APART
+        );
+        // Writing to a string cannot fail.
+        let _w = writeln!(
+            text,
+            "| members | misordered | of pairs | % | rms error % | regret % | other winner | within \
+             error |\n|--:|--:|--:|--:|--:|--:|--:|--:|"
+        );
+        for row in &self.counts {
+            let share = 100.0 * f64::from(row.misordered) / f64::from(row.pairs.max(1));
+            let name = if row.members == 1 { "as stated".into() } else { row.members.to_string() };
+            let _w = writeln!(
+                text,
+                "| {name} | {} | {} | {share:.1} | {:.0} | {:.2} | {} | {} |",
+                row.misordered,
+                row.pairs,
+                row.error_percent,
+                row.regret_percent,
+                row.other_winners,
+                row.within_error
+            );
+        }
+        let [low, median, high] = self.cost;
+        let _w = writeln!(
+            text,
+            "\n{USUAL} members take {median:.1} times what the scene as stated takes ({low:.1} to \
+             {high:.1}), in this process. 200 worlds take {:.0} % of the time of their geometry.\n",
+            self.worlds_percent
+        );
+        let _w = writeln!(
+            text,
+            "| family | scenes | pairs | misordered as stated | with {USUAL} |\n|---|--:|--:|--:|--:|"
+        );
+        for family in &self.families {
+            let [stated, usual] = family.misordered;
+            let _w = writeln!(
+                text,
+                "| {} | {} | {} | {stated} | {usual} |",
+                family.name, family.scenes, family.pairs
+            );
+        }
+        if !self.left_out.is_empty() {
+            let _w = writeln!(text, "\nNot ranked: {}.", self.left_out.join("; "));
+        }
+        text
+    }
+}
