@@ -51,6 +51,25 @@ pub(super) struct Round {
     contacts: Request,
 }
 
+impl Round {
+    /// The contacts in parts of at most so many, in their order.
+    pub(super) fn parts(self, most: usize) -> impl Iterator<Item = Self> {
+        let Self { mut meetings, contacts } = self;
+        let Request { mut candidates, persons, criteria } = contacts;
+        core::iter::from_fn(move || {
+            let count = meetings.len().min(most);
+            (count > 0).then(|| {
+                let contacts = Request {
+                    candidates: candidates.drain(..count).collect(),
+                    persons: persons.clone(),
+                    criteria: criteria.clone(),
+                };
+                Self { meetings: meetings.drain(..count).collect(), contacts }
+            })
+        })
+    }
+}
+
 /// The contacts that come first in the candidates of a request.
 #[cfg(test)]
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
@@ -317,13 +336,15 @@ impl<'r> Rounds<'r> {
         let candidate = &contacts.candidates[number];
         let mut assessed = assessed(contacts, work, number, meeting, harm);
         let state = &work.candidate_states()[number];
-        if self.drawn() > 0 {
+        // Pictures and chains are of the scene as stated, worlds of members.
+        let is_stated = k < self.scenery.scenario.candidates.len();
+        if !is_stated {
             assessed.candidate = Some(Box::new(candidate.clone()));
         }
-        if self.request.scene {
+        if self.request.scene && is_stated {
             assessed.scene = Some(Box::new(ContactScene::of(candidate, state)));
         }
-        if self.request.explanation {
+        if self.request.explanation && is_stated {
             let chain = contact_chain(contacts, candidate, &assessed.harm, state);
             assessed.chain = Some(Box::new(chain));
         }

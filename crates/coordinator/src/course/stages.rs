@@ -176,6 +176,10 @@ fn judged(
     let is_done = !rounds.courses.iter().any(Course::is_open);
     let ranking = &mut judged.ranking;
     let order: Vec<usize> = ranking.places.iter().map(|place| place.candidate).collect();
+    if !is_done && ranking.state == AnswerState::Complete {
+        // Something of the scene as stated is open, which is only shown.
+        ranking.state = AnswerState::Certified;
+    }
     let spreads = if is_done {
         expected::spreads(policy, &stakes, &all[1..], &order)?
     } else {
@@ -189,10 +193,6 @@ fn judged(
         }
         Spreads::default()
     };
-    if !is_done && ranking.state == AnswerState::Complete {
-        // Something of the scene as stated is open, which is only shown.
-        ranking.state = AnswerState::Certified;
-    }
     let expected = (0..candidates).map(|k| {
         let own: Vec<&Course<'_>> = courses.iter().filter(|course| course.candidate == k).collect();
         let known = spreads.candidates.get(k).copied().zip(spreads.leading.get(k));

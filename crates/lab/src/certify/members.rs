@@ -1,7 +1,7 @@
 //! How many members it takes: means and orders of fewer members beside those of many.
 //!
-//! One ranking of many members holds those of fewer, as these are the first of the sequence. What is
-//! compared is the policy's leading measure, which under the shipped policy is a mean over persons,
+//! One ranking of many members holds those of fewer, as these are the first of the sequence. What
+//! is compared is the policy's leading measure, which under the shipped policy is a mean over persons,
 //! so the mean over members of it is that of the ranking.
 
 use crate::progress::{Progress, SyncProgress};
@@ -299,8 +299,8 @@ impl MembersReport {
         // Writing to a string cannot fail.
         let _w = writeln!(
             text,
-            "| members | misordered | of pairs | % | rms error % | regret % | other winner | within \
-             error |\n|--:|--:|--:|--:|--:|--:|--:|--:|"
+            "| members | misordered | of pairs | % | rms error % | regret % | other winner | \
+             within error |\n|--:|--:|--:|--:|--:|--:|--:|--:|"
         );
         for row in &self.counts {
             let share = 100.0 * f64::from(row.misordered) / f64::from(row.pairs.max(1));
@@ -325,7 +325,8 @@ impl MembersReport {
         );
         let _w = writeln!(
             text,
-            "| family | scenes | pairs | misordered as stated | with {USUAL} |\n|---|--:|--:|--:|--:|"
+            "| family | scenes | pairs | misordered as stated | with {USUAL} |\n\
+             |---|--:|--:|--:|--:|"
         );
         for family in &self.families {
             let [stated, usual] = family.misordered;
