@@ -1,8 +1,8 @@
 //! How many members it takes: means and orders of fewer members beside those of many.
 //!
 //! One ranking of many members holds those of fewer, as these are the first of the sequence. What
-//! is compared is the policy's leading measure, which under the shipped policy is a mean over persons,
-//! so the mean over members of it is that of the ranking.
+//! is compared is the policy's leading measure, which under the shipped policy is a mean over
+//! persons, so the mean over members of it is that of the ranking.
 
 use crate::progress::{Progress, SyncProgress};
 use families::FAMILIES;

@@ -35,8 +35,8 @@ fn scene(parties: &str, ways: [(f64, f64); 4]) -> String {
         let _w = write!(
             text,
             "[[candidates]]\nname = \"way {number}\"\npath = {{ states = [ {{ t_s = 0, \
-             position_m = [0, 0, 0] }}, {{ t_s = 1, position_m = [{near:?}, {y:?}, 0] }}, {{ t_s = 4, \
-             position_m = [{far:?}, {y:?}, 0] }} ] }}\n"
+             position_m = [0, 0, 0] }}, {{ t_s = 1, position_m = [{near:?}, {y:?}, 0] }}, \
+             {{ t_s = 4, position_m = [{far:?}, {y:?}, 0] }} ] }}\n"
         );
     }
     text
