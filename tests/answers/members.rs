@@ -100,7 +100,7 @@ fn table_explanation_and_page_tell_it() {
         assert!(told.contains(words), "{words}: {told}");
     }
     let page = std::fs::read_to_string(page).unwrap();
-    for words in ["Harm in each member", "Harm is the mean over members", "best in"] {
+    for words in ["Harm in each member", "Harm is the mean over members", "best in", "200 worlds"] {
         assert!(page.contains(words), "{words}");
     }
 }

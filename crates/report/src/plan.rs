@@ -162,6 +162,15 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
     if !ties.is_empty() {
         let _w = write!(sure, " Within the range of the model as good: {}.", ties.join(", "));
     }
+    let won = first.and_then(|row| row.expected.as_ref()?.worlds);
+    if let (Some(won), Some(worlds)) = (won, &answer.worlds) {
+        let _w = write!(
+            sure,
+            " It wins in {:.0} % of {} worlds that the model allows.",
+            100.0 * won,
+            worlds.count
+        );
+    }
     say("How sure", sure);
     if let Some(first) = first {
         if answer.refusal().is_some() {

@@ -18,7 +18,8 @@ pub(super) struct Loaded {
     pub(super) settings: Settings,
     pub(super) sources: Vec<BodySource>,
     pub(super) bodies: Bodies,
-    /// Computed for the second request about the same bodies: it takes longer than one request.
+    /// Kept from the second request about the same bodies on: for one they take longer than the
+    /// trees.
     pub(super) extremes: Option<Vec<Extremes>>,
     /// Found for the first request.
     pub(super) shells: Vec<Shells>,
@@ -85,7 +86,7 @@ pub(super) fn loaded<'l>(
         // The bodies are the same, but they may play other parts.
         let kinds: Vec<BodyKind> = views.iter().map(|(meta, _)| meta.kind).collect();
         (subject.check_kinds)(&kinds)?;
-        let extremes_of_all = || views.iter().map(|(_, body)| Extremes::of(body)).collect();
+        let extremes_of_all = || views.iter().map(|(_, body)| Extremes::new(body)).collect();
         kept.extremes.get_or_insert_with(extremes_of_all);
     } else {
         // Stop the old workers first: the machine may have no room for more.
