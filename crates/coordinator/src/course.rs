@@ -263,13 +263,12 @@ fn follow(
             }
         }
     };
-    let judged = match request.members.is_nominal() {
-        true => {
-            follow(&mut rounds)?;
-            let harms = rounds.harms(&[]).remove(0);
-            Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)?
-        }
-        false => stages::followed(&mut rounds, request, &mut follow)?,
+    let judged = if request.members.is_nominal() {
+        follow(&mut rounds)?;
+        let harms = rounds.harms(&[]).remove(0);
+        Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)?
+    } else {
+        stages::followed(&mut rounds, request, &mut follow)?
     };
     let Rounds { scenery, people, courses, mut search, mut effort, reports, .. } = rounds;
     let begun_ns = clock::now_ns();
@@ -285,8 +284,10 @@ fn follow(
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
     let policy = &*request.criteria.policy;
-    // The scene as stated, and members.
+    // The scene as stated, and the members that harm is the mean of: a late stage has begun more.
     let (courses, drawn) = courses.split_at(request.scenario.candidates.len());
+    let count = members.as_ref().map_or(0, stages::MembersFound::count);
+    let drawn = &drawn[..count * courses.len()];
     let known = (courses, &harms[..]);
     let mut answer = course_answer::written(
         &scenery,

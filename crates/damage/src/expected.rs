@@ -193,6 +193,9 @@ pub fn spreads(
     Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead, leading })
 }
 
+/// Share of a sum of squares that is far above its rounding and far below what decides.
+const SLACK: f64 = 1e-9;
+
 /// Whether the lead of a candidate over any other may turn out too close to call, whatever open
 /// work finds. `harms` as for [`spreads`], but for what is open.
 ///
@@ -227,7 +230,9 @@ pub fn may_be_close(
     }
     let is_close = |(low, squares): &(f64, f64)| {
         let least = low / count;
-        let variance = (squares - count * least * least).max(0.0) / (count - 1.0).max(1.0);
+        // What is lost in the subtraction must not make a lead look clearer than it is.
+        let spread = squares * (1.0 + SLACK) - count * least * least;
+        let variance = spread.max(0.0) / (count - 1.0).max(1.0);
         least < 0.0 || least * least < variance / count
     };
     let mut others = sums.iter().enumerate().filter(|(k, _)| *k != first);

@@ -181,7 +181,11 @@ impl CourseRow {
     /// Whether the ego touches nobody from the start to the end of its way, in any member: proven.
     #[must_use]
     pub fn touches_nobody(&self) -> bool {
-        self.hits_nobody() && self.parts_from.is_empty() && self.maybe_inside.is_empty()
+        let is_decided = self.expected.as_ref().is_none_or(|of| of.undecided == 0);
+        is_decided
+            && self.hits_nobody()
+            && self.parts_from.is_empty()
+            && self.maybe_inside.is_empty()
     }
 
     /// Whether the ego hits nobody, in any member, though it may be in contact with somebody at the

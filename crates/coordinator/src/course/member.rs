@@ -154,7 +154,7 @@ impl<'s> Members<'s> {
         let mut last = None;
         while self.list.len() <= count {
             if self.next >= POINTS_MAX {
-                let party = last.map_or(self.scenery.scenario.ego.0, |party| party);
+                let party = last.unwrap_or(self.scenery.scenario.ego.0);
                 let party = self.scenery.scenario.parties[party].name.to_string();
                 return Err(RequestError::Overlap { party, replaced: self.replaced });
             }

@@ -30,7 +30,7 @@ pub struct MembersRow {
 }
 
 /// What members say of a candidate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ExpectedRow {
     /// The share of members in which it meets anybody; where something is open, the least share.
     pub contact: f64,
@@ -40,6 +40,9 @@ pub struct ExpectedRow {
     pub injured: Interval,
     /// How many members are not followed to their end.
     pub open: u32,
+    /// In how many members it was not decided whether the ego and a party lie inside each other at
+    /// the start: the outer body is open.
+    pub undecided: u32,
     /// The leading measure over members; `None` where something is open, here or elsewhere.
     pub spread: Option<Spread>,
     /// The share of worlds that it wins, where these were drawn.
@@ -76,6 +79,11 @@ pub(super) struct MembersFound {
 }
 
 impl MembersFound {
+    /// How many members there are.
+    pub(super) fn count(&self) -> usize {
+        self.row.count as usize
+    }
+
     /// Completes an answer.
     pub(super) fn write(
         self,
@@ -85,17 +93,14 @@ impl MembersFound {
     ) {
         let Self { row, mut expected } = self;
         for (place, candidate) in ranking.places.iter().zip(&mut answer.ranking) {
-            // Each is taken once.
-            let none = ExpectedRow {
-                contact: 0.0,
-                meets: Vec::new(),
-                injured: Interval::ZERO,
-                open: 0,
-                spread: None,
-                worlds: None,
-                members: Vec::new(),
-            };
-            let own = core::mem::replace(&mut expected[place.candidate], none);
+            let own = core::mem::take(&mut expected[place.candidate]);
+            if own.undecided > 0 {
+                candidate.remarks.push(format!(
+                    "in {} of {} members it was not decided whether the ego and somebody lie \
+                     inside each other at the start",
+                    own.undecided, row.count
+                ));
+            }
             if own.open > 0 {
                 let of = format!("{} of {} members", own.open, row.count);
                 answer.missing.push(format!("{}: what happens in {of}", candidate.name));
@@ -156,6 +161,8 @@ pub(super) fn followed<'r>(
 fn late(judged: Judged) -> Judged {
     let Judged { harms, mut ranking, members } = judged;
     ranking.state = AnswerState::Degraded;
+    // More members may change any place.
+    ranking.settled = 0;
     let members = members
         .map(|found| MembersFound { row: MembersRow { is_late: true, ..found.row }, ..found });
     Judged { harms, ranking, members }
@@ -253,6 +260,8 @@ fn expected_row(
         meets,
         injured: Interval::new(sum(Interval::lo), sum(Interval::hi)),
         open: courses.iter().filter(|course| course.is_open()).count() as u32,
+        undecided: courses.iter().filter(|course| !course.way.undecided_at_start.is_empty()).count()
+            as u32,
         spread: known.map(|(spread, _)| spread),
         worlds: None,
         members: members.unwrap_or_default(),

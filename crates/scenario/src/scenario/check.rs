@@ -9,13 +9,15 @@ use crate::error::{Misfit, ScenarioError};
 use crate::fault::{self, At, Fault};
 use crate::fields::{self, Head, PartyBody, WrittenBody};
 use crate::limit::{self, Show};
-use crate::members::{Errors, Members};
+use crate::members::Errors;
 use crate::names::{self, quoted};
 use crate::raw::Table;
 use crate::rules;
 use crate::scenario::PartyIndex;
 use body::{BodyKind, Seat};
 use std::collections::BTreeMap;
+
+mod doubt;
 
 /// Reads and checks a scenario.
 pub(super) fn draft(file: &str, text: &str) -> Result<ScenarioDraft, ScenarioError> {
@@ -57,7 +59,7 @@ impl Checker<'_> {
         )?;
         let resolution_m =
             fields::number(raw.resolution_m, "resolution_m", limit::RESOLUTION_M, &root)?;
-        let members = members(raw.members, raw.members_max)?;
+        let members = doubt::members(raw.members, raw.members_max)?;
         let (parties, ego) = self.parties(raw.parties, raw.ego)?;
         let candidates = self.candidates(raw.candidates.unwrap_or_default(), &parties, ego)?;
         Ok(ScenarioDraft {
@@ -108,7 +110,7 @@ impl Checker<'_> {
             let path = parent.key(&draft.party.name);
             let kind = draft.party.source.kind();
             let is_ego = PartyIndex(index) == ego;
-            draft.party.errors = errors_of(errors, is_ego, &path.key("errors"))?;
+            draft.party.errors = doubt::errors(errors, is_ego, &path.key("errors"))?;
             if is_ego {
                 motion.has_none(&draft.party.name, &path)?;
             } else {
@@ -402,38 +404,6 @@ impl WrittenMotion {
 }
 
 /// Who is in a body of this kind, if that is known.
-/// How many members a scenario asks for.
-fn members(count: Option<i64>, most: Option<i64>) -> Result<Members, Fault> {
-    let members = Members::new(count.unwrap_or(1), most);
-    members.map_err(|misfit| Fault { path: Path::default().key(misfit.setting), misfit })
-}
-
-/// How well a party is known.
-fn errors_of(
-    written: Option<Table<raw::Errors>>,
-    is_ego: bool,
-    path: &Path,
-) -> Result<Errors, Fault> {
-    let usual = Errors::usual(is_ego);
-    let Some(Table(raw)) = written else { return Ok(usual) };
-    let number = |value, setting, limit, usual: f64| {
-        Ok::<_, Fault>(fields::number(value, setting, limit, path)?.unwrap_or(usual))
-    };
-    let (lateral, longitudinal) = (usual.lateral_m, usual.longitudinal_m);
-    Ok(Errors {
-        lateral_m: number(raw.lateral_m, "lateral_m", limit::ERROR_M, lateral)?,
-        longitudinal_m: number(raw.longitudinal_m, "longitudinal_m", limit::ERROR_M, longitudinal)?,
-        correlation: number(raw.correlation, "correlation", limit::CORRELATION, 0.0)?,
-        yaw_deg: number(raw.yaw_deg, "yaw_deg", limit::ERROR_YAW_DEG, usual.yaw_deg)?,
-        speed_share: number(
-            raw.speed_share,
-            "speed_share",
-            limit::ERROR_SPEED_SHARE,
-            usual.speed_share,
-        )?,
-    })
-}
-
 fn occupancy(
     persons: Option<Vec<Table<raw::Person>>>,
     empty: Option<bool>,

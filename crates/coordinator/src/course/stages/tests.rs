@@ -205,8 +205,11 @@ fn a_stage_that_is_not_finished_in_time_is_left_out() {
     let mut late = 0;
     for deadline_ns in (1..=40).map(|step| step * 2_000_000) {
         let limits = RequestLimits { deadline_ns: Some(deadline_ns), ..RequestLimits::default() };
-        let answer = worked_within(&text, &[&sedan, &pole], limits).answer;
+        let ranked = worked_within(&text, &[&sedan, &pole], limits);
+        let answer = ranked.answer;
         let members = answer.members.expect("they were followed");
+        let explained = ranked.explanation.map(|explanation| explanation.members);
+        assert_eq!(explained, Some(members.count), "of the members that the answer is of");
         match answer.state {
             AnswerState::Complete => assert_eq!(answer, whole),
             AnswerState::Degraded if members.is_late => {
