@@ -21,7 +21,7 @@ pub mod sweep;
 pub mod turning;
 mod wide;
 
-pub use found::BEAT_TESTS;
+pub use found::{BEAT_TESTS, QueryWatch};
 
 /// Maximum number of tests in one step, which is never interrupted: all boxes of two leaves against
 /// each other, all boxes of each against the other leaf, and all triangles.

@@ -72,6 +72,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 // All names that a query takes: callers need no other crate.
+pub use crate::kernel::QueryWatch;
 pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
 pub use body::{ShellKind, Shells};
@@ -82,7 +83,8 @@ pub use geometry::simd::Level;
 pub use geometry::sweep::SweepError;
 pub use geometry::{Corners, Pose, RelativePose, Sweep};
 pub use turning::{MotionContact, MotionEffort, MotionLimits, MotionWorkspace};
-pub use turning::{RESOLUTION_MIN, ResolutionError, first_contact_in_motion};
+pub use turning::{RESOLUTION_MIN, ResolutionError};
+pub use turning::{first_contact_in_motion, first_contact_in_motion_watched};
 
 /// Greatest magnitude of a number in a pose: beyond it, points of B might not have finite
 /// coordinates.
@@ -311,9 +313,24 @@ pub fn least_pair<'t>(
     budget: u64,
     workspace: &mut Workspace,
 ) -> Result<ControlFlow<(), Option<[u32; 2]>>, PoseError> {
+    least_pair_watched(a, b, pose, (budget, &mut |_| ControlFlow::Continue(())), workspace)
+}
+
+/// [`least_pair`], which `watch` may end.
+///
+/// # Errors
+///
+/// As [`least_pair`].
+pub fn least_pair_watched<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    pose: &RelativePose,
+    (budget, watch): (u64, QueryWatch<'_>),
+    workspace: &mut Workspace,
+) -> Result<ControlFlow<(), Option<[u32; 2]>>, PoseError> {
     let task = task(a.into(), b.into(), pose, Question::Pairs);
     let ids = [task.a.source_ids, task.b.source_ids];
-    let mut sink = Least { ids, least: None, budget };
+    let mut sink = Least { ids, least: None, budget, watch };
     Ok(match workspace.run(&task, &mut sink)? {
         End::Complete => ControlFlow::Continue(sink.least),
         End::Stopped | End::OutOfBudget => ControlFlow::Break(()),
@@ -388,14 +405,15 @@ impl<B, F: FnMut(u32, u32) -> ControlFlow<B>> Sink for Listed<'_, F, B> {
 }
 
 /// Keeps the pair of the least ids, within a budget.
-struct Least<'l> {
+struct Least<'l, 'w> {
     ids: [&'l [u32]; 2],
     least: Option<[u32; 2]>,
     /// What is left of it.
     budget: u64,
+    watch: QueryWatch<'w>,
 }
 
-impl Least<'_> {
+impl Least<'_, '_> {
     fn spend(&mut self, tests: u64) -> ControlFlow<()> {
         match self.budget.checked_sub(tests) {
             Some(left) => {
@@ -407,7 +425,7 @@ impl Least<'_> {
     }
 }
 
-impl Sink for Least<'_> {
+impl Sink for Least<'_, '_> {
     fn hit(&mut self, _: Side, _: u32) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -420,6 +438,7 @@ impl Sink for Least<'_> {
     }
 
     fn beat(&mut self, _: u64) -> ControlFlow<()> {
+        (self.watch)(BEAT_TESTS)?;
         self.spend(BEAT_TESTS)
     }
 }

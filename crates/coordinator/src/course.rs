@@ -41,7 +41,6 @@ use std::rc::Rc;
 
 mod assessed_contact;
 mod course_answer;
-mod encounter;
 mod explain;
 mod flags;
 mod history;
@@ -57,13 +56,13 @@ mod way;
 mod worlds;
 
 pub use course_answer::{Answer, ContactRow, CoursePersonRow, CourseRow, RunOutRow};
-pub use encounter::EncounterEffort;
 pub use explain::{CombinedRisk, ContactStep, CourseChain, Explanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
 pub use plan_scene::{
     ContactScene, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene,
 };
+pub use rounds::EncounterEffort;
 #[cfg(test)]
 pub(crate) use rounds::first_round;
 pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
@@ -176,6 +175,11 @@ impl<'s> Course<'s> {
         self.stuck.is_some() || !self.way.is_at_end()
     }
 
+    /// Whether it has to be looked whom it meets next.
+    fn needs_looks(&self) -> bool {
+        self.stuck.is_none() && self.way.needs_looks()
+    }
+
     /// From when on (s) it is not known what happens, if it is not.
     fn open_from_s(&self) -> Option<f64> {
         self.way.open_from_s.or(self.stuck.map(|stuck| stuck.time_s))
@@ -225,12 +229,13 @@ pub fn rank_courses(
     } else {
         RequestLimits { search_order: SearchOrder::AsAsked, ..limits }
     };
-    let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds };
+    let (looks, open_looks) = (0, Vec::new());
+    let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds, looks, open_looks };
     let mut ranked = follow(stage, request, limits.until, &time, &mut surveyor)?;
     ranked.effort.accepted_ns = accepted_ns;
-    if let Surveyor::Backend { rounds: Some(rounds), .. } = surveyor {
+    if let Surveyor::Backend { rounds: Some(rounds), open_looks, .. } = surveyor {
         let (until, search) = (limits.until.into(), time.search());
-        ranked.history = Some(CourseHistory { until, search, rounds });
+        ranked.history = Some(CourseHistory { until, search, rounds, open_looks });
     }
     Ok(ranked)
 }
@@ -248,12 +253,13 @@ fn follow(
     let policy = request.criteria.policy.among(names);
     let criteria = Criteria { policy, ..request.criteria.clone() };
     let request = &CourseRequest { criteria, ..request.clone() };
-    let is_over = || time.is_over();
-    let is_due: Option<&dyn Fn() -> bool> = if time.is_watched() { Some(&is_over) } else { None };
+    let (is_past, is_over) = (|| time.is_past(), || time.is_over());
+    let watched = |is_due| time.is_watched().then_some(is_due);
+    let (is_past, is_due) = (watched(&is_past as &dyn Fn() -> bool), watched(&is_over));
     let mut rounds = Rounds::new(stage, request, until);
     let mut follow = |rounds: &mut Rounds<'_>| -> Result<(), RunError> {
         loop {
-            let round = rounds.search(is_due)?;
+            let round = rounds.search(surveyor, is_past)?;
             let round = rounds.spare(round)?;
             if round.meetings.is_empty() {
                 return Ok(());
@@ -270,7 +276,7 @@ fn follow(
     } else {
         stages::followed(&mut rounds, request, &mut follow)?
     };
-    let Rounds { scenery, people, courses, mut search, mut effort, reports, .. } = rounds;
+    let Rounds { scenery, people, courses, mut encounters, mut effort, reports, .. } = rounds;
     let begun_ns = clock::now_ns();
     let worlds = if judged.members.is_some() && judged.ranking.state == AnswerState::Complete {
         let drawn = &courses[request.scenario.candidates.len()..];
@@ -280,7 +286,6 @@ fn follow(
     };
     effort.worlds_ns = clock::now_ns() - begun_ns;
     let Judged { harms, ranking, members } = judged;
-    effort.search = search.effort;
     effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
     let begun_ns = clock::now_ns();
     let policy = &*request.criteria.policy;
@@ -295,7 +300,7 @@ fn follow(
         policy,
         known,
         &ranking,
-        (&mut search, members.is_some()),
+        (&mut encounters, members.is_some()),
     );
     if let Some(members) = members {
         members.write(&mut answer, &ranking, &request.scenario.candidates);

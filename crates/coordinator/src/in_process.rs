@@ -148,7 +148,8 @@ impl InProcessExecutor {
         };
         let summary = done.summary(self.hits.len() as u32, clock::now_ns() - begun_ns);
         watch(job, &summary);
-        let last = Some(Last { summary, supports: done.supports(), hits: &self.hits });
+        let supports = done.supports();
+        let last = Some(Last { summary, supports, seen: None, hits: &self.hits });
         let rest = Rest::Pairs(self.executor.rest());
         work.fold(job, PartOf(Part { hits: &self.hits, rest, last }));
         work.close(job, Closed::Done);

@@ -14,7 +14,8 @@
 //! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
 //!   order-free values only, and both backends fill it from the same fold:
 //!   `tests/answers/identical.rs` at the top level.
-//! - It never runs a triangle test itself, except in [`run_in_process`], and the report says so.
+//! - It runs no job itself where workers do, but for a look at bodies that is the only one to do;
+//!   and a backend without workers says so.
 //! - However a run ends, no process and no shared memory is left: `tests/processes/kill.rs`.
 //!
 //! It does not know file formats, nor how harm is computed.
@@ -29,6 +30,7 @@ mod fixtures;
 mod gather;
 mod in_process;
 mod job_history;
+mod looks;
 mod pairs;
 mod replay;
 mod request;

@@ -17,6 +17,7 @@ use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use scenario::Name;
 use smallvec::SmallVec;
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 /// One contact, before any work: a candidate, as far as this request goes.
 #[derive(Clone, Debug)]
@@ -30,8 +31,8 @@ pub(crate) struct Candidate {
     pub(crate) approach: Approach,
     /// The bodies overlap from the start and stand: nothing can be evaluated.
     pub(crate) is_stuck: bool,
-    /// The plane of the contact; `None` if it is stuck, or not laid yet.
-    pub(crate) plane: Option<Plane>,
+    /// The plane of the contact, once it is laid; none if it is stuck.
+    pub(crate) plane: OnceCell<Plane>,
     pub(crate) a: CollisionParty,
     pub(crate) b: CollisionParty,
     pub(crate) probability: f64,
@@ -59,22 +60,25 @@ impl Candidate {
     }
 
     /// Lays the plane of the contact, from the outlines of both bodies, at the point where they
-    /// touch first.
-    pub(crate) fn lay_plane(&mut self, [a, b]: [&Outlines; 2], point: DVec3) {
-        if self.is_stuck {
-            return;
+    /// touch first, unless it is laid. Returns whether it was not.
+    pub(crate) fn lay_plane(&self, [a, b]: [&Outlines; 2]) -> bool {
+        if self.is_stuck || self.plane.get().is_some() {
+            return false;
         }
         let of_a = Footprint::of(a, None, &self.approach);
         let of_b = Footprint::of(b, Some(&self.pose), &self.approach);
         let fronts = [Front::of(&self.a), Front::of(&self.b)];
-        self.plane = Some(Plane::of(&self.approach, [&of_a, &of_b], fronts, point));
+        let point = self.first.witness.point;
+        let plane = Plane::of(&self.approach, [&of_a, &of_b], fronts, point);
+        self.plane.set(plane).is_ok()
     }
 
-    /// As [`damage::assess`] takes it.
+    /// As [`damage::assess`] takes it, once its plane is laid.
     pub(crate) fn encounter(&self) -> Encounter<'_> {
+        debug_assert!(self.is_stuck || self.plane.get().is_some(), "no plane is laid");
         Encounter {
             approach: &self.approach,
-            plane: self.plane.as_ref(),
+            plane: self.plane.get(),
             a: &self.a,
             b: &self.b,
             probability: self.probability,

@@ -229,6 +229,7 @@ impl Trial {
 fn bounds_of(work: &SurveyRun<'_>, k: usize) -> Result<CandidateBounds, AssessError> {
     let request = work.request();
     let high = needs_high(&request.criteria.policy);
+    work.lay_plane(k);
     let encounter = request.candidates[k].encounter();
     bounds(&encounter, &work.evidence(k), &work.basis(), high)
 }

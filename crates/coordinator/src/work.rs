@@ -43,6 +43,11 @@ pub trait TaskSource: for<'p> dispatch::JobSource<Part<'p> = PartOf<'p>> {
     fn is_over(&self, _now_ns: u64) -> bool {
         false
     }
+    /// Called while workers work and nothing of them is there to take: does a little of what has to
+    /// be done besides; `false` if there is nothing.
+    fn use_spare_time(&mut self) -> bool {
+        false
+    }
     /// Maximum number of box and triangle tests per job.
     fn budget(&self) -> u64 {
         u64::MAX
@@ -86,6 +91,8 @@ pub(crate) struct SurveyRun<'w> {
     asked: Vec<(usize, f64, WireQuestion)>,
     /// Number of jobs, including those that were never handed out.
     slots: usize,
+    /// Contacts whose planes are laid.
+    laid: usize,
     effort: Effort,
     limits: RequestLimits,
     strategy: Box<dyn Strategy>,
@@ -129,6 +136,7 @@ impl<'w> SurveyRun<'w> {
             pairs,
             asked,
             slots: 0,
+            laid: 0,
             effort: Effort::default(),
             limits,
             strategy: limits.search_order.strategy(),
@@ -203,6 +211,14 @@ impl<'w> SurveyRun<'w> {
 
     fn views(&self, task: &WireTask) -> (&'w BodyView<'w>, &'w BodyView<'w>) {
         (&self.bodies[task.model_a as usize].1, &self.bodies[task.model_b as usize].1)
+    }
+
+    /// Lays the plane of a contact: nothing of it is assessed before. Returns whether it was not.
+    pub(crate) fn lay_plane(&self, k: usize) -> bool {
+        let candidate = &self.request.candidates[k];
+        let outlines = [candidate.model_a, candidate.model_b]
+            .map(|model| &self.bodies[model as usize].0.outlines);
+        candidate.lay_plane(outlines)
     }
 
     /// Traverses for one task: afterwards its jobs, if any, can be handed out.
@@ -306,6 +322,10 @@ impl TaskSource for SurveyRun<'_> {
 
     fn accept(&mut self, now_ns: u64) {
         self.deadline_ns = self.limits.deadline_ns.map(|length_ns| now_ns + length_ns);
+        if self.deadline_ns.is_some() {
+            // After the deadline nothing may be left to do but to assess what was found.
+            while self.use_spare_time() {}
+        }
     }
 
     fn deadline_ns(&self) -> Option<u64> {
@@ -314,6 +334,16 @@ impl TaskSource for SurveyRun<'_> {
 
     fn is_over(&self, now_ns: u64) -> bool {
         self.deadline_ns.is_some_and(|due_ns| due_ns <= now_ns)
+    }
+
+    fn use_spare_time(&mut self) -> bool {
+        while self.laid < self.request.candidates.len() {
+            self.laid += 1;
+            if self.lay_plane(self.laid - 1) {
+                return true;
+            }
+        }
+        false
     }
 
     fn budget(&self) -> u64 {

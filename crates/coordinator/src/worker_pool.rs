@@ -47,7 +47,7 @@ use crossbeam::utils::Backoff;
 use dispatch::{Counts, Dispatcher, Effect, Event, LogEntry, MatchScheme, Progress, Restarts};
 use outbox::BatchWriter;
 use protocol::{Boot, Incarnation, RequestId};
-use runtime::{Poller, SealedMemory, StatusMemory, Wake, clock};
+use runtime::{Poller, SealedMemory, StatusMemory, Wake, WrittenWords, clock};
 use transport::{Domain, SegmentReserve, UseError};
 use worker_handle::WorkerHandle;
 
@@ -74,6 +74,8 @@ pub struct WorkerPool {
     // Dropped in this order: channels before the domain that they live in.
     workers: Vec<WorkerHandle>,
     status: StatusMemory,
+    /// Where bodies go, for looks at them: written before these are sent.
+    paths: WrittenWords,
     poller: Poller,
     /// Memory for the next successor, whatever fills the file system.
     reserve: SegmentReserve,
@@ -127,6 +129,7 @@ impl WorkerPool {
             tracing::info!(swept, "removed leftovers of killed runs");
         }
         let status = StatusMemory::create()?;
+        let paths = WrittenWords::create("trolley-paths", protocol::launch::PATHS_WORDS)?;
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
         let domain = Domain::create(Some(&folder), &options.instance, boot)?;
@@ -138,6 +141,7 @@ impl WorkerPool {
         let mut worker_pool = Self {
             workers: Vec::with_capacity(workers),
             status,
+            paths,
             poller,
             reserve: SegmentReserve::new(&domain, &preflight::sizes(options)),
             domain,
@@ -174,6 +178,21 @@ impl WorkerPool {
     #[must_use]
     pub fn pids(&self) -> Vec<u32> {
         self.workers.iter().map(|worker| worker.report.pid).collect()
+    }
+
+    /// Whether sections are copied into the memory of each worker.
+    pub(crate) fn copies(&self) -> bool {
+        self.outgoing.is_some()
+    }
+
+    /// Writes paths for the next request. Those of an earlier one that was cancelled may still be
+    /// read: nobody waits for what comes of that.
+    ///
+    /// # Panics
+    ///
+    /// They take more than [`protocol::launch::PATHS_WORDS`].
+    pub(crate) fn write_paths(&self, words: &[u64]) {
+        self.paths.write(0, words);
     }
 
     /// Tells the workers that the request is cancelled.
@@ -246,7 +265,7 @@ impl WorkerPool {
                 self.cancel();
                 break;
             }
-            if taken {
+            if taken || work.use_spare_time() {
                 backoff.reset();
             } else if self.shares_core || backoff.is_completed() {
                 let due_ns = [due_ns, work.deadline_ns()].into_iter().flatten().min();

@@ -3,6 +3,7 @@
 //! ```text
 //! protocol::WireTask + bodies by number --> bvh::Task --Kernel::run--> hits: to the caller's sink
 //!                                                                  rest: Summary, supports, pairs
+//! protocol::WireLook + bodies + paths --> encounter::Look --Encounters::look--> LookOutcome
 //! ```
 //!
 //! # Invariants
@@ -13,6 +14,9 @@
 //!   `tests.rs`.
 //!
 //! It does not know where hits go, who made the request, or what time it is.
+
+pub mod encounter;
+pub mod motion;
 
 use body::{BodyView, Meta};
 use bvh::{Kernel, NodePair, Outcome, Question, Sink, kernel};
@@ -118,6 +122,8 @@ impl Executor {
             self.kernel.ensure_room(0, 0, triangles, triangles);
         }
         let (question, directions) = match question {
+            // It has no nodes: see `encounter`.
+            protocol::WireQuestion::Look => return Err(NotDone::Unknown),
             protocol::WireQuestion::Touches => (Question::Touches, None),
             protocol::WireQuestion::Sets => (Question::Sets, None),
             protocol::WireQuestion::Pairs => {

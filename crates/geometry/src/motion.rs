@@ -58,8 +58,8 @@ mod touch;
 
 pub use interval::{Moved, MovingBodies, TimeInterval};
 pub use path::{
-    MotionPath, Orientation, POSITION_MAX, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, State,
-    TIME_MAX,
+    MotionPath, Orientation, POSITION_MAX, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, STATE_WORDS,
+    State, TIME_MAX,
 };
 
 use crate::{DVec3, Pose, RelativePose};

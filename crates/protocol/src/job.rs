@@ -20,13 +20,15 @@ pub enum WireQuestion {
     Sets = 2,
     /// All intersecting pairs: count, hash, and supports of the contact.
     Pairs = 3,
+    /// When do bodies on their ways first touch? The task is a [`WireLook`], and has one job.
+    Look = 4,
 }
 
 impl WireQuestion {
     /// The question with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
-        let all = [Self::Touches, Self::Sets, Self::Pairs];
+        let all = [Self::Touches, Self::Sets, Self::Pairs, Self::Look];
         all.into_iter().find(|question| *question as u32 == number)
     }
 }
@@ -53,6 +55,48 @@ pub struct WireTask {
     pub z: [f64; 3],
 }
 
+/// A task about bodies on their ways, in wire format: 160 bytes, as any task.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct WireLook {
+    /// Number of body A in the model store.
+    pub model_a: u32,
+    /// Number of body B.
+    pub model_b: u32,
+    /// [`WireQuestion::Look`].
+    pub question: u32,
+    /// Number of the task within the request.
+    pub task: u32,
+    /// For each body, where its path begins in the memory of paths, and its length (words).
+    pub paths: [[u32; 2]; 2],
+    /// The sum over the words of A's path, then of B's.
+    pub sums: [u64; 2],
+    /// From when on (s).
+    pub from_s: f64,
+    /// Until when (s).
+    pub end_s: f64,
+    /// Contact that cannot be decided within this distance (m) counts.
+    pub resolution_m: f64,
+    /// 1: they have touched before, and may do so still.
+    pub may_touch: u64,
+    /// 0.
+    pub reserved: [u64; 10],
+}
+
+impl WireLook {
+    /// As a task.
+    #[must_use]
+    pub fn task(&self) -> WireTask {
+        bytemuck::cast(*self)
+    }
+
+    /// A task as this, if it is one.
+    #[must_use]
+    pub fn of(task: &WireTask) -> Option<Self> {
+        (task.question == WireQuestion::Look as u32).then(|| bytemuck::cast(*task))
+    }
+}
+
 /// A job in wire format: 32 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -76,6 +120,7 @@ pub struct WireJob {
 const TASK_WORDS: usize = size_of::<WireTask>() / 8;
 const JOB_WORDS: usize = size_of::<WireJob>() / 8;
 const _: () = assert!(size_of::<WireTask>() == 160 && size_of::<WireJob>() == 32);
+const _: () = assert!(size_of::<WireLook>() == size_of::<WireTask>());
 
 /// The number of words of a batch of this many tasks and jobs.
 #[must_use]

@@ -9,6 +9,12 @@ pub const STATUS_FD: i32 = 11;
 /// Descriptor of the eventfd that wakes the coordinator.
 pub const EVENT_FD: i32 = 12;
 
+/// Descriptor of the memory of paths in a worker.
+pub const PATHS_FD: i32 = 13;
+
+/// Words of the memory of paths: 4 MiB.
+pub const PATHS_WORDS: usize = 1 << 19;
+
 /// Flag: it works on copies.
 const COPIES: u8 = 1;
 /// Flag: it executes fault commands. Reserved without the feature `faults`.

@@ -30,13 +30,13 @@ pub use chunk::{Array, Piece};
 pub use fault::{FaultCommand, InjectedFault};
 pub use head::{Head, MessageKind, Reject, seal, verify};
 pub use id::{Boot, Incarnation, JobId, RequestId, Section, TaskId};
-pub use job::{WireJob, WireQuestion, WireTask};
+pub use job::{WireJob, WireLook, WireQuestion, WireTask};
 pub use launch::Launch;
 pub use result::{Summary, WireSide};
 pub use status::{CoordinatorLine, StatusPage, WorkerLine, WorkerState};
 
 /// Version of all layouts of this crate: part of every header and of every service's attributes.
-pub const LAYOUT: u32 = 2;
+pub const LAYOUT: u32 = 3;
 
 /// Maximum number of workers on the status page.
 pub const WORKERS_MAX: usize = 16;

@@ -8,6 +8,7 @@
 //! ```text
 //! words of a part:      [hit | hit << 32]...
 //! words of the last:    [hit | hit << 32]... [Summary] ([f64; SUPPORTS] if pairs were asked for)
+//!                       [Summary] [WireSeen] if it was a look at bodies on their ways
 //! words of a rest:      [number of the first pair] [node of A | node of B << 32]...
 //! ```
 //!
@@ -54,7 +55,7 @@ pub struct Summary {
     pub zones_b: u16,
     /// How it ended: an [`WireEnd`].
     pub end: u32,
-    /// Supports that follow: 0 or [`SUPPORTS`].
+    /// Supports that follow: 0 or [`SUPPORTS`]; or [`SEEN_WORDS`] of a [`WireSeen`].
     pub supports: u32,
     /// Hits in all parts together.
     pub hits: u32,
@@ -63,6 +64,54 @@ pub struct Summary {
 }
 
 const _: () = assert!(size_of::<Summary>() == 64);
+
+/// What a look at bodies on their ways showed: 64 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct WireSeen {
+    /// A [`SeenKind`]; of all but contacts the rest is 0.
+    pub kind: u32,
+    /// 1 if triangles touch at that time; else they come as near as the resolution.
+    pub is_certain: u32,
+    /// When (s).
+    pub time_s: f64,
+    /// Nothing touches before (s).
+    pub excluded_before_s: f64,
+    /// Numbers of the two triangles in leaf order.
+    pub triangles: [u32; 2],
+    /// Where they touch, in A's frame (m).
+    pub point: [f64; 3],
+    /// Their source ids.
+    pub ids: [u32; 2],
+}
+
+/// What was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum SeenKind {
+    /// They never touch in that time.
+    Never = 1,
+    /// The first contact.
+    Contact = 2,
+    /// They have touched before, and do so still.
+    Still = 3,
+    /// They have touched before; no triangle does any more, and one may lie inside the other.
+    Hidden = 4,
+}
+
+impl SeenKind {
+    /// The kind with this number.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        let all = [Self::Never, Self::Contact, Self::Still, Self::Hidden];
+        all.into_iter().find(|kind| *kind as u32 == number)
+    }
+}
+
+/// Words of a [`WireSeen`].
+pub const SEEN_WORDS: usize = size_of::<WireSeen>() / 8;
+
+const _: () = assert!(size_of::<WireSeen>() == 64 && SEEN_WORDS < SUPPORTS);
 
 /// How a job ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +153,8 @@ pub struct Last<'a> {
     pub summary: Summary,
     /// Supports, for a question about pairs.
     pub supports: Option<&'a [f64; SUPPORTS]>,
+    /// What a look showed.
+    pub seen: Option<WireSeen>,
     /// Hits of this part.
     pub hits: &'a [u32],
 }
@@ -115,15 +166,19 @@ pub fn read_last(words: &[u64], hits: u32) -> Option<Last<'_>> {
     let (summary, rest) = rest.split_at_checked(SUMMARY_WORDS)?;
     let summary: Summary = bytemuck::pod_read_unaligned(bytemuck::cast_slice(summary));
     WireEnd::from_number(summary.end)?;
-    let supports = match (summary.supports as usize, rest.len()) {
-        (0, 0) => None,
+    let (mut supports, mut seen) = (None, None);
+    match (summary.supports as usize, rest.len()) {
+        (0, 0) => {}
         (SUPPORTS, SUPPORTS) => {
-            let supports: &[f64] = bytemuck::try_cast_slice(rest).ok()?;
-            Some(supports.try_into().ok()?)
+            let words: &[f64] = bytemuck::try_cast_slice(rest).ok()?;
+            supports = Some(words.try_into().ok()?);
+        }
+        (SEEN_WORDS, SEEN_WORDS) => {
+            seen = Some(bytemuck::pod_read_unaligned(bytemuck::cast_slice(rest)));
         }
         _ => return None,
-    };
-    Some(Last { summary, supports, hits: read_hits(hit_words, hits)? })
+    }
+    Some(Last { summary, supports, seen, hits: read_hits(hit_words, hits)? })
 }
 
 /// The hits of a part; `None` if they do not match the number of words.
@@ -197,6 +252,19 @@ pub fn write_last(
     let Some(supports) = supports else { return at };
     words[at..at + SUPPORTS].copy_from_slice(bytemuck::cast_slice(supports));
     at + SUPPORTS
+}
+
+/// Writes the only part of a look, which has no hits; returns its number of words.
+///
+/// # Panics
+///
+/// [`TAIL_WORDS`] do not fit.
+pub fn write_seen(words: &mut [u64], summary: &Summary, seen: &WireSeen) -> usize {
+    let summary = Summary { supports: SEEN_WORDS as u32, ..*summary };
+    words[..SUMMARY_WORDS].copy_from_slice(bytemuck::cast_slice(&[summary]));
+    let end = SUMMARY_WORDS + SEEN_WORDS;
+    words[SUMMARY_WORDS..end].copy_from_slice(bytemuck::cast_slice(&[*seen]));
+    end
 }
 
 #[cfg(test)]

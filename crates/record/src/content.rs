@@ -157,12 +157,20 @@ pub enum RecordedUntil {
     Certified,
 }
 
-/// How far the search for contacts came before its deadline.
+/// Where a request was out of time, apart from its jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordedSearch {
-    /// The search looks at the clock at points that follow from the scene alone. This is the look,
-    /// from 0, at which time was over; `None`: it never was.
+    /// The work between jobs looks at the clock at points that follow from the scene alone. This is
+    /// the point, from 0, at which time was over; `None`: it never was.
     pub over_at: Option<u64>,
+}
+
+/// A look for a contact that was not done, as there was no time or it was given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenLook {
+    /// Its number, from 0: looks are asked for in an order that follows from the scene and from
+    /// what was found so far.
+    pub number: u64,
 }
 
 /// A job on a worker.
@@ -221,8 +229,10 @@ pub struct RecordContent {
     pub rounds: Vec<RecordedRound>,
     /// When work was to stop.
     pub until: RecordedUntil,
-    /// How far the search for contacts came; `None`: it had no deadline.
+    /// Where the request was out of time; `None`: it had no deadline.
     pub search: Option<RecordedSearch>,
+    /// Looks for contacts that were not done, ascending.
+    pub open_looks: Vec<OpenLook>,
     /// Jobs on workers; empty without workers. No answer depends on it.
     pub spans: Vec<RecordedSpan>,
     /// Messages by edge.

@@ -26,9 +26,9 @@ use std::borrow::Cow;
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
 /// Version of the layout and of [`RecordContent`]. Another one is refused.
-pub const VERSION: u32 = 13;
+pub const VERSION: u32 = 15;
 /// Version of a record with a signed statement: programs that know of none refuse it.
-pub const VERSION_SIGNED: u32 = 14;
+pub const VERSION_SIGNED: u32 = 16;
 
 /// The head of a record.
 #[repr(C)]

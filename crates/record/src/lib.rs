@@ -36,9 +36,9 @@ pub mod statement;
 
 pub use chain::{Chain, ChainError, HEAD_FILE, Resume};
 pub use content::{
-    Edge, Mode, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob, RecordedRound,
-    RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText, RecordedUntil,
-    Settings, hash_of_text,
+    Edge, Mode, OpenLook, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
+    RecordedRound, RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText,
+    RecordedUntil, Settings, hash_of_text,
 };
 pub use file::{Link, RecordError, RecordSigner, decode, encode};
 pub use key::{KeyError, SigningKey, VerifyingKey};

@@ -50,7 +50,7 @@ pub mod wait;
 pub use error::{OsError, Result};
 pub use guard::Guard;
 pub use input::{InputError, InputKind};
-pub use memory::{FileMap, SealedMemory, StatusMemory};
+pub use memory::{FileMap, ReadWords, SealedMemory, StatusMemory, WrittenWords};
 pub use output::OutputError;
 pub use process::{Child, Exit, Spawn};
 pub use wait::{EventFd, Poller, Wake};

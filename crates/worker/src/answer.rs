@@ -2,14 +2,14 @@
 
 #[cfg(feature = "faults")]
 use crate::fault::{self, Corruption};
-use bvh::{NodePair, Sink};
+use bvh::{Counters, NodePair, Sink};
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering;
 use crossbeam::utils::Backoff;
 use executor::{Done, hit};
-use protocol::result::{write_hit, write_last, write_rest};
-use protocol::{CoordinatorLine, Head, Incarnation, MessageKind, RequestId, WireJob};
+use protocol::result::{WireEnd, WireSeen, write_hit, write_last, write_rest, write_seen};
+use protocol::{CoordinatorLine, Head, Incarnation, MessageKind, RequestId, Summary, WireJob};
 use protocol::{WorkerLine, launch, status};
 use runtime::clock;
 use transport::{OpenMessage, Sender, UseError};
@@ -206,6 +206,25 @@ impl<'w> Answer<'w> {
         let Some(mut message) = self.message.take() else { return Ok(()) };
         let summary = done.summary(self.hits_before + self.hits as u32, wall_ns);
         let used = write_last(message.words(), self.hits, &summary, done.supports());
+        self.send_last(message, used)
+    }
+
+    /// Sends what a look showed.
+    pub(crate) fn finish_look(
+        self,
+        seen: &WireSeen,
+        Counters { nb, np }: Counters,
+        started_ns: u64,
+    ) -> Result<(), UseError> {
+        let wall_ns = clock::now_ns() - started_ns;
+        let Some(mut message) = self.outlet.open()? else { return Ok(()) };
+        let end = WireEnd::Complete as u32;
+        let summary = Summary { nb, np, wall_ns, end, ..Summary::default() };
+        let used = write_seen(message.words(), &summary, seen);
+        self.send_last(message, used)
+    }
+
+    fn send_last(&self, message: OpenMessage<'_>, used: usize) -> Result<(), UseError> {
         let head = self.head(true);
         #[cfg(feature = "faults")]
         let Some(message) = fault::last(self.outlet, message, head, used)? else {

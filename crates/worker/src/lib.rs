@@ -22,6 +22,7 @@ mod answer;
 mod copy;
 #[cfg(feature = "faults")]
 mod fault;
+mod look;
 mod serve;
 
 pub use serve::{WorkerError, run};

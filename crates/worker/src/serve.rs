@@ -4,6 +4,7 @@ use crate::answer::{Answer, Outlet, Started};
 use crate::copy::Copies;
 #[cfg(feature = "faults")]
 use crate::fault::FaultCommands;
+use crate::look::Looker;
 use body::{BodyView, Meta, store};
 use bvh::NodePair;
 use core::sync::atomic::Ordering;
@@ -11,9 +12,10 @@ use crossbeam::utils::Backoff;
 use diagnostic::Diagnostic;
 use executor::{Executor, NotDone};
 use protocol::{
-    Head, Launch, MessageKind, Reject, RequestId, WireJob, WireTask, WorkerState, job, launch,
+    Head, Launch, MessageKind, Reject, RequestId, WireJob, WireLook, WireTask, WorkerState, job,
+    launch,
 };
-use runtime::{EventFd, SealedMemory, StatusMemory, clock, futex, process};
+use runtime::{EventFd, ReadWords, SealedMemory, StatusMemory, clock, futex, process};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use transport::{Domain, Sizes, UseError, WorkerLink};
@@ -71,6 +73,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     let store = SealedMemory::from_fd(process::inherited(launch::STORE_FD)?)?;
     let status = StatusMemory::from_fd(process::inherited(launch::STATUS_FD)?)?;
     let wake_event = EventFd::from_fd(process::inherited(launch::EVENT_FD)?);
+    let paths = ReadWords::from_fd(process::inherited(launch::PATHS_FD)?, launch::PATHS_WORDS)?;
     let worker = usize::from(launch.who.worker);
     let page = status.page();
     let line = page.workers.get(worker).ok_or(WorkerError::Launch)?;
@@ -103,7 +106,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     line.state.store(WorkerState::Hello as u32, Ordering::Release);
     outlet.tell(outlet.head(RequestId(0), MessageKind::Hello))?;
     line.state.store(WorkerState::Ready as u32, Ordering::Release);
-    let mut job_loop = JobLoop::new(&bodies, &outlet);
+    let mut job_loop = JobLoop::new(&bodies, paths, &outlet);
     if launch.copies {
         job_loop.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
     }
@@ -125,6 +128,7 @@ struct JobLoop<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     outlet: &'w Outlet<'w>,
     executor: Executor,
+    looker: Looker,
     /// Set if jobs are done on copies.
     copies: Option<Copies>,
     /// Set if faults are injected.
@@ -133,12 +137,13 @@ struct JobLoop<'w> {
 }
 
 impl<'w> JobLoop<'w> {
-    fn new(bodies: &'w [(Meta, BodyView<'w>)], outlet: &'w Outlet<'w>) -> Self {
+    fn new(bodies: &'w [(Meta, BodyView<'w>)], paths: ReadWords, outlet: &'w Outlet<'w>) -> Self {
         let executor = Executor::with_room_for(bodies);
         Self {
             bodies,
             outlet,
             executor,
+            looker: Looker::new(paths),
             copies: None,
             #[cfg(feature = "faults")]
             fault_commands: None,
@@ -236,6 +241,13 @@ impl<'w> JobLoop<'w> {
         let start = NodePair { a: job.node_a, b: job.node_b };
         let part = executor::JobInput { start, budget: job.budget };
         let mut answer = Answer::new(self.outlet, request, *job);
+        if let Some(look) = WireLook::of(task) {
+            return match self.looker.look(&look, body, &mut answer) {
+                Ok((seen, counters)) => answer.finish_look(&seen, counters, started_ns),
+                Err(NotDone::Stopped) => answer.abandon(),
+                Err(NotDone::Unknown) => self.refuse(request, job),
+            };
+        }
         match self.executor.execute(task, body, part, &mut answer) {
             Ok(done) => answer.finish(&done, self.executor.rest(), started_ns),
             // Told to stop mid-job: the job is not answered, since nobody waits for it.

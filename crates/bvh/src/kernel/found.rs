@@ -12,6 +12,10 @@ use std::ops::ControlFlow;
 /// Maximum number of tests between two calls of [`Sink::beat`], apart from those of one step.
 pub const BEAT_TESTS: u64 = 1024;
 
+/// What is called about every [`BEAT_TESTS`] tests of a query, with how many were done since; if it
+/// returns `Break` the query ends as if its budget were spent.
+pub type QueryWatch<'w> = &'w mut dyn FnMut(u64) -> ControlFlow<()>;
+
 /// The cost, in tests, of recording an intersecting pair and measuring its contact along all
 /// directions: a budget stands for time, and with many hits most of the time is spent on them.
 const PAIR_TESTS: u64 = 24;

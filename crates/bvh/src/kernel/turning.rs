@@ -25,6 +25,7 @@
 //!
 //! Memory is bounded: where an interval leaves too many pairs, its halves begin with the roots.
 
+use super::{BEAT_TESTS, QueryWatch};
 use crate::descent::side_to_open;
 use crate::{Counters, NodePair, Side};
 use body::{BodyView, Node};
@@ -142,18 +143,24 @@ impl TurningKernel {
     }
 
     /// Searches all of both bodies and the whole motion with at most `budget` tests, but for those
-    /// of one pair of leaves.
+    /// of one pair of leaves, or until `watch` ends it.
     ///
     /// # Panics
     ///
     /// A number in a tree is out of range: a damaged tree must not produce an answer.
-    pub fn run(&mut self, task: &TurningTask<'_>, budget: u64) -> TurningOutcome {
+    pub fn run(
+        &mut self,
+        task: &TurningTask<'_>,
+        (budget, watch): (u64, QueryWatch<'_>),
+    ) -> TurningOutcome {
         let boxes = [task.a.bounds(), task.b.bounds()];
         let mut search = Search {
             task,
             bodies: MovingBodies::new(&task.motion, [&boxes[0], &boxes[1]]),
             kernel: self,
             budget,
+            watch,
+            watched: 0,
             counters: Counters::default(),
             intervals: 0,
             possible: None,
@@ -203,6 +210,9 @@ struct Search<'s, 'a> {
     bodies: MovingBodies,
     kernel: &'s mut TurningKernel,
     budget: u64,
+    watch: QueryWatch<'s>,
+    /// Tests up to the last call of it.
+    watched: u64,
     counters: Counters,
     intervals: u64,
     possible: Option<Possible>,
@@ -271,8 +281,15 @@ impl<'a> Search<'_, 'a> {
         }
     }
 
-    fn check_budget(&self, interval: &TimeInterval) -> ControlFlow<First> {
-        if self.counters.tests() < self.budget {
+    fn check_budget(&mut self, interval: &TimeInterval) -> ControlFlow<First> {
+        let tests = self.counters.tests();
+        let since = tests - self.watched;
+        let mut is_over = tests >= self.budget;
+        if since >= BEAT_TESTS {
+            self.watched = tests;
+            is_over |= (self.watch)(since).is_break();
+        }
+        if !is_over {
             return ControlFlow::Continue(());
         }
         let clear_before_s = self.possible.map_or(interval.from_s, |possible| possible.from_s);

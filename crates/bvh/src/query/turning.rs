@@ -1,6 +1,6 @@
 //! First contact of two bodies that both move and turn.
 
-use super::{Workspace, least_pair};
+use super::{QueryWatch, Workspace, least_pair_watched};
 use crate::kernel::turning::{First, TurningKernel, TurningOutcome, TurningTask};
 use crate::{Counters, Walk};
 use body::BodyView;
@@ -119,11 +119,11 @@ impl MotionWorkspace {
         &mut self,
         task: &TurningTask<'_>,
         time_s: f64,
-        budget: u64,
+        limits: (u64, QueryWatch<'_>),
     ) -> ControlFlow<(), Option<[u32; 2]>> {
         let pose = task.motion.pose_at(time_s);
         // A path keeps poses far within what is accepted.
-        least_pair(task.a, task.b, &pose, budget, &mut self.poses)
+        least_pair_watched(task.a, task.b, &pose, limits, &mut self.poses)
             .unwrap_or(ControlFlow::Continue(None))
     }
 }
@@ -210,6 +210,26 @@ pub fn first_contact_in_motion<'t>(
     limits: &MotionLimits,
     workspace: &mut MotionWorkspace,
 ) -> Result<MotionContact, ResolutionError> {
+    let mut watch = |_| ControlFlow::Continue(());
+    first_contact_in_motion_watched(a, b, motion, (limits, &mut watch), workspace)
+}
+
+/// [`first_contact_in_motion`], which `watch` may end: then the contact is out of budget.
+///
+/// # Errors
+///
+/// As [`first_contact_in_motion`].
+///
+/// # Panics
+///
+/// As [`first_contact_in_motion`].
+pub fn first_contact_in_motion_watched<'t>(
+    a: impl Into<BodyView<'t>>,
+    b: impl Into<BodyView<'t>>,
+    motion: &RelativeMotion<'t>,
+    (limits, watch): (&MotionLimits, QueryWatch<'_>),
+    workspace: &mut MotionWorkspace,
+) -> Result<MotionContact, ResolutionError> {
     let MotionLimits { resolution_m, budget } = *limits;
     if !(resolution_m >= RESOLUTION_MIN) {
         return Err(ResolutionError(resolution_m));
@@ -217,7 +237,7 @@ pub fn first_contact_in_motion<'t>(
     let task = TurningTask { a: a.into(), b: b.into(), motion: *motion, resolution_m };
     workspace.effort = MotionEffort::default();
     let time_s = motion.from_s();
-    match workspace.touching(&task, time_s, budget) {
+    match workspace.touching(&task, time_s, (budget, &mut *watch)) {
         ControlFlow::Break(()) => {
             return Ok(MotionContact::OutOfBudget { excluded_before_s: time_s });
         }
@@ -226,12 +246,13 @@ pub fn first_contact_in_motion<'t>(
         }
         ControlFlow::Continue(None) => {}
     }
-    let TurningOutcome { first, counters, intervals } = workspace.kernel.run(&task, budget);
+    let TurningOutcome { first, counters, intervals } =
+        workspace.kernel.run(&task, (budget, &mut *watch));
     workspace.effort = MotionEffort { counters, intervals };
     Ok(match first {
         First::Never => MotionContact::Excluded,
         First::Certain { time_s, clear_before_s, ids } => {
-            match workspace.touching(&task, time_s, budget) {
+            match workspace.touching(&task, time_s, (budget, watch)) {
                 ControlFlow::Break(()) => {
                     MotionContact::OutOfBudget { excluded_before_s: clear_before_s }
                 }

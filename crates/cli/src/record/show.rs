@@ -97,8 +97,11 @@ fn words(
     if !record.rounds.is_empty() {
         lines.push(format!("rounds    {} of contacts", record.rounds.len()));
     }
+    if !record.open_looks.is_empty() {
+        lines.push(format!("search    {} looks for contacts not done", record.open_looks.len()));
+    }
     if let Some(over_at) = record.search.and_then(|search| search.over_at) {
-        lines.push(format!("search    out of time at look {over_at} at the clock"));
+        lines.push(format!("search    out of time at point {over_at} between jobs"));
     }
     lines.extend(record.faults.iter().map(|fault| format!("note      {fault}")));
     let state = answer["state"].as_str().unwrap_or_default();

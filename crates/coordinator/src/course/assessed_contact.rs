@@ -3,18 +3,20 @@
 use super::persons::People;
 use super::plan_scene::ContactScene;
 use super::way::{Begin, NextContact, Scenery};
-use super::{Course, Stuck, encounter};
+use super::{Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
 use crate::explain::ContactChain;
 use crate::request::{Candidate, Motions, Request, RequestError, StatedParty, approach, party};
 use crate::work::SurveyRun;
+use body::Zones;
 use bvh::Witness;
 use damage::CandidateHarm;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
+use std::cell::OnceCell;
 
 /// A contact of a candidate, assessed.
 #[derive(Clone, Debug)]
@@ -110,7 +112,10 @@ pub(super) fn contact(
     let mut supports = Supports::EMPTY;
     supports.add(&approach.directions, touching.point);
     let bodies = ways.bodies;
-    let zones = encounter::zones([&bodies[0], &bodies[1]], touching.triangles);
+    let zones = [0, 1].map(|side: usize| {
+        let zone = bodies[side].zones.get(touching.triangles[side] as usize);
+        zone.copied().unwrap_or(Zones(0))
+    });
     Ok(Candidate {
         name: name.clone(),
         other_name: scenario.parties[other].name.clone(),
@@ -119,7 +124,7 @@ pub(super) fn contact(
         pose,
         approach,
         is_stuck: is_start && stands,
-        plane: None,
+        plane: OnceCell::new(),
         a,
         b,
         probability: 1.0,

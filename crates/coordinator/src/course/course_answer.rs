@@ -1,6 +1,5 @@
 //! The answer over a horizon: order-free values only, as in [`crate::answer`].
 
-use super::encounter::EncounterSearch;
 use super::flags::{self, Alternative, AtHorizon, NearestRow, Outlines, Predicted};
 use super::persons::People;
 use super::stages::{ExpectedRow, MembersRow};
@@ -14,6 +13,7 @@ use damage::{
     AnswerState, ContactPatch, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
     RankedCandidates, Unevaluable,
 };
+use executor::encounter::Encounters;
 use serde::Serialize;
 
 /// The answer to a request.
@@ -206,7 +206,7 @@ pub(super) fn written(
     policy: &Policy,
     (courses, harms): (&[Course<'_>], &[CourseHarm]),
     ranking: &RankedCandidates,
-    (search, is_drawn): (&mut EncounterSearch, bool),
+    (search, is_drawn): (&mut Encounters, bool),
 ) -> Answer {
     let scenario = scenery.scenario;
     let outlines = Outlines::of(scenery);
@@ -408,7 +408,7 @@ fn row(
     (outlines, predicted): (&Outlines, &Predicted),
     (k, place, why): (usize, &Place, Option<String>),
     (course, harm): (&Course<'_>, &CourseHarm),
-    search: &mut EncounterSearch,
+    search: &mut Encounters,
 ) -> CourseRow {
     let candidate = &scenery.scenario.candidates[k];
     let way = (&course.way, candidate);

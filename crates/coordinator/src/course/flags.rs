@@ -3,13 +3,14 @@
 //!
 //! Nothing here ranks. Distances are of outlines in plan, at steps of 50 ms.
 
-use super::encounter::{EncounterSearch, Encountered};
 use super::way::{Scenery, Way};
 use bvh::support::support;
+use executor::encounter::{Encounters, Look, LookOutcome};
 use geometry::plan::ConvexOutline;
 use geometry::{DVec3, Pose};
 use scenario::Candidate;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// Step of time at which distances are looked at (s).
 const STEP_S: f64 = 0.05;
@@ -254,7 +255,7 @@ fn meets_after(pair: &Pair<'_>, [a, b]: [&Pose; 2], relative: DVec3, limit_s: f6
 pub(super) fn alternatives(
     scenery: &Scenery<'_>,
     (way, candidate): (&Way<'_>, &Candidate),
-    search: &mut EncounterSearch,
+    encounters: &mut Encounters,
 ) -> Vec<Alternative> {
     let scenario = scenery.scenario;
     let until_s = way.run_outs.first().map_or(scenario.horizon_s, |leg| leg.from_s);
@@ -274,11 +275,15 @@ pub(super) fn alternatives(
                 continue;
             }
             let ways = scenery.ways(party, [&candidate.ego.path, &prediction.motion.path]);
-            let found = search.first(&ways, 0.0..until_s, scenario.resolution_m, None);
-            let (time_s, is_certain) = match found {
-                Encountered::Never => continue,
-                Encountered::Contact(touching) => (touching.time_s, touching.is_certain),
-                Encountered::Open { from_s } => (from_s, false),
+            let resolution_m = scenario.resolution_m;
+            let look = Look { ways, from_s: 0.0, end_s: until_s, resolution_m, may_touch: false };
+            let mut watch = |_| ControlFlow::Continue(());
+            let (time_s, is_certain) = match encounters.look(&look, &mut watch) {
+                Ok((LookOutcome::Contact(touching) | LookOutcome::Still(touching), _)) => {
+                    (touching.time_s, touching.is_certain)
+                }
+                Ok((LookOutcome::Never | LookOutcome::Hidden, _)) => continue,
+                Err(_) => (0.0, false),
             };
             all.push(Alternative {
                 party: scenario.parties[party].name.to_string(),

@@ -1,17 +1,21 @@
 //! What of the work on a request depends on the clock and on workers, and the same work once more.
 //!
-//! The search for contacts looks at the clock at points that follow from the scene and from the
-//! harm found so far. So the number of the look at which time was over says where it ended in every
-//! candidate, and the job history of each round says what was known of its contacts.
+//! Looks for contacts are asked for in an order that follows from the scene and from the harm found
+//! so far. So the numbers of those that were not done say where the search ended in every
+//! candidate, and the job history of each round says what was known of its contacts. What comes
+//! after looks at the clock at points that follow from the scene, too: the number of the point at
+//! which time was over says where it ended.
 
 use super::{CourseRequest, RankedCourses, follow};
+use crate::looks::{AskedLook, Looked, look_here};
 use crate::request_limits::RequestLimits;
 use crate::work::SurveyRun;
 use crate::worker_pool::IdleHook;
 use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
 use crate::workspace::{Backend, BodySet, RunError};
 use core::cell::Cell;
-use record::{RecordedRound, RecordedSearch, RecordedUntil};
+use executor::encounter::Encounters;
+use record::{OpenLook, RecordedRound, RecordedSearch, RecordedUntil};
 use runtime::clock;
 #[cfg(any(test, feature = "faults"))]
 use {
@@ -29,6 +33,8 @@ pub struct CourseHistory {
     pub search: Option<RecordedSearch>,
     /// Questions and jobs by round.
     pub rounds: Vec<RecordedRound>,
+    /// Looks for contacts that were not done.
+    pub open_looks: Vec<OpenLook>,
 }
 
 /// Ranks the candidates of a recorded request again, in this process: from the same bodies and
@@ -46,7 +52,7 @@ pub fn replay_courses(
     request: &CourseRequest<'_>,
     history: &CourseHistory,
 ) -> Result<RankedCourses, RunError> {
-    let mut surveyor = Surveyor::Recorded(history.rounds.iter());
+    let mut surveyor = Surveyor::replay(&history.rounds, &history.open_looks);
     let (until, clock) = (history.until.into(), SearchClock::recorded(history.search));
     follow(stage, request, until, &clock, &mut surveyor)
 }
@@ -58,15 +64,18 @@ enum TimeLimit {
     Never,
     /// Until that time (ns, monotonic).
     At(u64),
-    /// Until that look, as recorded; `None`: always.
-    Look(Option<u64>),
+    /// Until that point, as recorded; `None`: always.
+    Point(Option<u64>),
+    /// Until that point, and looks for contacts are points too.
+    #[cfg(any(test, feature = "faults"))]
+    Anywhere(Option<u64>),
 }
 
-/// The clock of a search: says whether time is over, and counts how often it was asked.
+/// The clock of a request: says whether time is over, and counts the points at which it was asked.
 #[derive(Debug)]
 pub(super) struct SearchClock {
     limit: TimeLimit,
-    looks: Cell<u64>,
+    points: Cell<u64>,
     over_at: Cell<Option<u64>>,
     /// What is called between looks, and when it was last (ns).
     idle_hook: Option<(IdleHook, Cell<u64>)>,
@@ -83,30 +92,48 @@ impl SearchClock {
 
     /// Time is over when it was in a recorded search.
     pub(super) fn recorded(search: Option<RecordedSearch>) -> Self {
-        let look = |search: RecordedSearch| TimeLimit::Look(search.over_at);
-        Self::new(search.map_or(TimeLimit::Never, look))
+        let point = |search: RecordedSearch| TimeLimit::Point(search.over_at);
+        Self::new(search.map_or(TimeLimit::Never, point))
+    }
+
+    /// Time is over at some point of a trial; `None`: at none.
+    #[cfg(any(test, feature = "faults"))]
+    pub(super) fn trial(over_at: Option<u64>) -> Self {
+        Self::new(TimeLimit::Anywhere(over_at))
     }
 
     fn new(limit: TimeLimit) -> Self {
-        Self { limit, looks: Cell::new(0), over_at: Cell::new(None), idle_hook: None }
+        Self { limit, points: Cell::new(0), over_at: Cell::new(None), idle_hook: None }
     }
 
-    /// With something that is called again and again while contacts are searched for.
+    /// With something that is called whenever it is asked.
     pub(super) fn with_idle_hook(self, idle_hook: Option<IdleHook>) -> Self {
         Self { idle_hook: idle_hook.map(|hook| (hook, Cell::new(clock::now_ns()))), ..self }
     }
 
-    /// Whether there is a deadline: a search without one does not look at the clock.
+    /// Whether there is a deadline.
     fn has_limit(&self) -> bool {
         !matches!(self.limit, TimeLimit::Never)
     }
 
-    /// Whether the search has to look at it.
+    /// Whether it has to be asked.
     pub(super) fn is_watched(&self) -> bool {
         self.has_limit() || self.idle_hook.is_some()
     }
 
-    pub(super) fn is_over(&self) -> bool {
+    /// Whether time is over while looking for contacts: no point that is recorded, as it is known
+    /// which looks were done.
+    pub(super) fn is_past(&self) -> bool {
+        self.attend();
+        match self.limit {
+            TimeLimit::Never | TimeLimit::Point(_) => false,
+            TimeLimit::At(due_ns) => clock::now_ns() >= due_ns,
+            #[cfg(any(test, feature = "faults"))]
+            TimeLimit::Anywhere(_) => self.is_over(),
+        }
+    }
+
+    fn attend(&self) {
         if let Some((idle_hook, called_ns)) = &self.idle_hook {
             let now_ns = clock::now_ns();
             if now_ns - called_ns.get() >= ATTEND_NS {
@@ -114,25 +141,32 @@ impl SearchClock {
                 idle_hook.call();
             }
         }
-        let look = self.looks.replace(self.looks.get() + 1);
+    }
+
+    /// Whether time is over at this point.
+    pub(super) fn is_over(&self) -> bool {
+        self.attend();
+        let point = self.points.replace(self.points.get() + 1);
         let is_over = match self.limit {
             TimeLimit::Never => false,
             TimeLimit::At(due_ns) => clock::now_ns() >= due_ns,
-            TimeLimit::Look(over_at) => over_at.is_some_and(|over_at| look >= over_at),
+            TimeLimit::Point(over_at) => over_at.is_some_and(|over_at| point >= over_at),
+            #[cfg(any(test, feature = "faults"))]
+            TimeLimit::Anywhere(over_at) => over_at.is_some_and(|over_at| point >= over_at),
         };
         if is_over && self.over_at.get().is_none() {
-            self.over_at.set(Some(look));
+            self.over_at.set(Some(point));
         }
         is_over
     }
 
     /// How often it was asked.
     #[cfg(any(test, feature = "faults"))]
-    pub(super) fn looks(&self) -> u64 {
-        self.looks.get()
+    pub(super) fn points(&self) -> u64 {
+        self.points.get()
     }
 
-    /// How far the search has come; `None` if it has no deadline.
+    /// At which point time was over; `None` if there is no deadline.
     pub(super) fn search(&self) -> Option<RecordedSearch> {
         self.has_limit().then(|| RecordedSearch { over_at: self.over_at.get() })
     }
@@ -149,15 +183,29 @@ pub(super) enum Surveyor<'s> {
         due_ns: Option<u64>,
         /// The rounds so far, if they are recorded.
         rounds: Option<Vec<RecordedRound>>,
+        /// How many looks were asked for so far, and which of them were not done.
+        looks: u64,
+        open_looks: Vec<OpenLook>,
     },
-    /// The rounds still to come of a recorded request.
-    Recorded(core::slice::Iter<'s, RecordedRound>),
+    /// A recorded request.
+    Recorded {
+        /// The rounds still to come.
+        rounds: core::slice::Iter<'s, RecordedRound>,
+        /// How many looks were asked for so far, and which were not done.
+        looks: u64,
+        open_looks: &'s [OpenLook],
+    },
     /// This process, which loses one job of so many; 0: none.
     #[cfg(any(test, feature = "faults"))]
     Lossy { executor: Box<InProcessExecutor>, rng: Rng, loses: u64 },
 }
 
-impl Surveyor<'_> {
+impl<'s> Surveyor<'s> {
+    /// One that does what was done.
+    pub(super) fn replay(rounds: &'s [RecordedRound], open_looks: &'s [OpenLook]) -> Self {
+        Self::Recorded { rounds: rounds.iter(), looks: 0, open_looks }
+    }
+
     /// A round's work with its limits.
     pub(super) fn limit<'w>(&self, work: SurveyRun<'w>) -> SurveyRun<'w> {
         let Self::Backend { limits, due_ns, rounds, .. } = self else { return work };
@@ -182,7 +230,7 @@ impl Surveyor<'_> {
                 }
                 Ok(jobs)
             }
-            Self::Recorded(rounds) => {
+            Self::Recorded { rounds, .. } => {
                 // Of a round that was not recorded nothing is known.
                 let none = RecordedRound::default();
                 Ok(crate::replay::replay(work, stage.bodies, rounds.next().unwrap_or(&none)))
@@ -192,15 +240,71 @@ impl Surveyor<'_> {
         }
     }
 
+    /// Looks at bodies on their ways, as far as there is time, or as far as it was done. `is_due`
+    /// says whether there is none.
+    pub(super) fn look(
+        &mut self,
+        asked: &[AskedLook<'_>],
+        stage: &BodySet<'_>,
+        encounters: &mut Encounters,
+        is_due: Option<&dyn Fn() -> bool>,
+    ) -> Result<Looked, WorkerPoolError> {
+        match self {
+            Self::Backend { backend, due_ns, looks, open_looks, .. } => {
+                let limits = (*due_ns, is_due);
+                let looked = backend.look(asked, stage.bodies, encounters, limits)?;
+                let numbered = (*looks..).zip(&looked.seen);
+                let open = numbered.filter(|(_, seen)| seen.is_none());
+                open_looks.extend(open.map(|(number, _)| OpenLook { number }));
+                *looks += asked.len() as u64;
+                Ok(looked)
+            }
+            Self::Recorded { looks, open_looks, .. } => {
+                let from = *looks;
+                *looks += asked.len() as u64;
+                let is_open = |at: usize| {
+                    let number = from + at as u64;
+                    open_looks.binary_search_by_key(&number, |open| open.number).is_ok()
+                };
+                Ok(look_at_some(asked, encounters, |at| !is_open(at)))
+            }
+            #[cfg(any(test, feature = "faults"))]
+            Self::Lossy { rng, loses, .. } => {
+                // The clock is that of a trial, which ends at one of its looks.
+                let is_over = || is_due.is_some_and(|is_due| is_due());
+                let loses = *loses;
+                let is_done = |_| !is_over() && !(loses > 0 && rng.below(loses) == 0);
+                Ok(look_at_some(asked, encounters, is_done))
+            }
+        }
+    }
+
     /// What the workers did for the last round, if there are any.
     pub(super) fn report(&self) -> Option<WorkerPoolReport> {
         match self {
             Self::Backend { backend, .. } => backend.report(),
-            Self::Recorded(_) => None,
+            Self::Recorded { .. } => None,
             #[cfg(any(test, feature = "faults"))]
             Self::Lossy { .. } => None,
         }
     }
+}
+
+/// Looks in this process, at those that are done.
+fn look_at_some(
+    asked: &[AskedLook<'_>],
+    encounters: &mut Encounters,
+    mut is_done: impl FnMut(usize) -> bool,
+) -> Looked {
+    let mut looked = Looked::default();
+    for (at, asked) in asked.iter().enumerate() {
+        let one = is_done(at).then(|| look_here(&[*asked], encounters, None));
+        if let Some(one) = &one {
+            looked.counters.add(&one.counters);
+        }
+        looked.seen.push(one.and_then(|one| one.seen[0]));
+    }
+    looked
 }
 
 #[cfg(any(test, feature = "faults"))]

@@ -4,14 +4,15 @@
 //! be apart: the next point of the sequence takes its place, for all candidates. Parties that
 //! overlap the ego where they are stated are left as they are.
 
-use super::encounter::{EncounterSearch, Nested};
 use super::way::Scenery;
 use crate::request::RequestError;
 use damage::course::RunOut;
 use damage::party::is_fixed;
+use executor::encounter::{Encounters, Nested};
 use geometry::motion::{MotionPath, PathError};
 use scenario::{Candidate, MemberDraw, Motion, PartyDraw};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::rc::Rc;
 
 /// Points that are looked at, at most.
@@ -27,6 +28,8 @@ pub(crate) struct Member<'s> {
     parties: Vec<Option<Cow<'s, MotionPath>>>,
     /// What is drawn of a run-out: see [`RunOut::drawn`]; `None`: as usual.
     run_out: Option<(f64, f64)>,
+    /// Per party: how it lies to the ego at the start, once that was asked.
+    nested: Vec<Cell<Option<Nested>>>,
 }
 
 impl<'s> Member<'s> {
@@ -45,6 +48,7 @@ impl<'s> Member<'s> {
             candidates: scenery.scenario.candidates.iter().map(candidate).collect(),
             parties: (0..scenery.scenario.parties.len()).map(likeliest).collect(),
             run_out: None,
+            nested: vec![Cell::new(None); scenery.scenario.parties.len()],
         }
     }
 
@@ -77,6 +81,7 @@ impl<'s> Member<'s> {
             candidates: scenario.candidates.iter().map(candidate).collect::<Result<_, _>>()?,
             parties: (0..scenario.parties.len()).map(party).collect::<Result<_, _>>()?,
             run_out: Some((draw.run_out_turn_deg, draw.run_out_share)),
+            nested: vec![Cell::new(None); scenario.parties.len()],
         })
     }
 
@@ -97,6 +102,24 @@ impl<'s> Member<'s> {
             None => self.parties[party].as_ref(),
         };
         path.expect("every party but the ego has a path")
+    }
+
+    /// How a party lies to the ego at the start, if their triangles do not touch.
+    pub(super) fn nested(
+        &self,
+        scenery: &Scenery<'_>,
+        party: usize,
+        encounters: &mut Encounters,
+    ) -> Nested {
+        if let Some(known) = self.nested[party].get() {
+            return known;
+        }
+        // All motions of a party begin at one pose, so the first candidate stands for all.
+        let first = &scenery.scenario.candidates[0];
+        let ways = scenery.ways(party, [self.ego(0), self.other((0, first), party)]);
+        let nested = encounters.nested(&ways, scenery.shells_of(party), 0.0);
+        self.nested[party].set(Some(nested));
+        nested
     }
 
     /// The run-out of the ego in this member.
@@ -145,11 +168,11 @@ impl<'s> Members<'s> {
     pub(super) fn draw(
         &mut self,
         count: usize,
-        search: &mut EncounterSearch,
+        encounters: &mut Encounters,
     ) -> Result<(), RequestError> {
         if self.next == 0 && count > 0 {
             let nominal = Rc::clone(&self.list[0]);
-            self.overlap = self.overlapping(&nominal, search);
+            self.overlap = self.overlapping(&nominal, encounters);
         }
         let mut last = None;
         while self.list.len() <= count {
@@ -162,7 +185,7 @@ impl<'s> Members<'s> {
             self.next += 1;
             let member = Member::drawn(&self.scenery, &draw)
                 .map_err(|source| RequestError::Member { source })?;
-            let overlap = self.overlapping(&member, search);
+            let overlap = self.overlapping(&member, encounters);
             match overlap.into_iter().find(|party| !self.overlap.contains(party)) {
                 None => self.list.push(Rc::new(member)),
                 Some(party) => {
@@ -175,15 +198,15 @@ impl<'s> Members<'s> {
     }
 
     /// Parties that overlap the ego at time 0.
-    fn overlapping(&self, member: &Member<'s>, search: &mut EncounterSearch) -> Vec<usize> {
-        // All motions of a party begin at one pose, so the first candidate stands for all.
+    fn overlapping(&self, member: &Member<'s>, encounters: &mut Encounters) -> Vec<usize> {
+        // As in `Member::nested`.
         let first = &self.scenery.scenario.candidates[0];
         let overlaps = |party: &usize| {
             let paths = [member.ego(0), member.other((0, first), *party)];
             let ways = self.scenery.ways(*party, paths);
             !ways.are_far(&(0.0..0.0))
-                && (search.touch_at(&ways, 0.0)
-                    || matches!(search.nested(&ways, 0.0), Nested::Yes(_)))
+                && (encounters.touch_at(&ways, 0.0)
+                    || matches!(member.nested(&self.scenery, *party, encounters), Nested::Yes(_)))
         };
         self.scenery.others().filter(overlaps).collect()
     }

@@ -2,7 +2,6 @@
 //! rounds.
 
 use super::assessed_contact::{assessed, contact, settle};
-use super::encounter::EncounterSearch;
 use super::history::Surveyor;
 use super::member::Members;
 use super::persons::People;
@@ -11,6 +10,7 @@ use super::stop::{MayBeClose, Stop};
 use super::way::{Begin, NextContact, Scenery};
 use super::{Course, CourseEffort, CourseRequest, harm_of};
 use crate::explain::contact_chain;
+use crate::looks::AskedLook;
 use crate::request::{Candidate, Request, RequestError};
 use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
@@ -20,9 +20,25 @@ use bvh::support::{Extremes, support_near};
 use damage::approach::STANDSTILL_M_S;
 use damage::course::PASSED_M;
 use damage::{CandidateHarm, CourseHarm, Criteria, expected};
+use executor::encounter::{Encounters, LookOutcome};
 use geometry::DVec3;
 use runtime::clock;
+use serde::Serialize;
+use std::ops::Range;
 use std::rc::Rc;
+
+/// What the search for contacts has taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct EncounterEffort {
+    /// Encounters: a candidate's way and a party, each time that it was looked at.
+    pub encounters: u64,
+    /// Those whose bodies came so near that their trees were looked at.
+    pub in_trees: u64,
+    /// Tests of boxes there.
+    pub nb: u64,
+    /// Tests of triangles there.
+    pub np: u64,
+}
 
 /// The candidates of a request while they are followed.
 pub(super) struct Rounds<'r> {
@@ -33,7 +49,7 @@ pub(super) struct Rounds<'r> {
     /// All candidates in the scene as stated, then in each member.
     pub(super) courses: Vec<Course<'r>>,
     pub(super) members: Members<'r>,
-    pub(super) search: EncounterSearch,
+    pub(super) encounters: Encounters,
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
@@ -74,7 +90,8 @@ impl Round {
 #[cfg(test)]
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
     let mut rounds = Rounds::new(stage, request, Until::Complete);
-    rounds.search(None).expect("they can be assessed").contacts
+    let mut surveyor = Surveyor::replay(&[], &[]);
+    rounds.search(&mut surveyor, None).expect("they can be assessed").contacts
 }
 
 /// The expected harm of every candidate; `harms[m][k]` is that of candidate k in member m.
@@ -105,7 +122,7 @@ impl<'r> Rounds<'r> {
             people,
             courses,
             members,
-            search: EncounterSearch::default(),
+            encounters: Encounters::default(),
             effort: CourseEffort::default(),
             reports: Vec::new(),
             extremes: Vec::new(),
@@ -120,7 +137,7 @@ impl<'r> Rounds<'r> {
             self.extremes = bodies.map(|(_, view)| Extremes::new(view)).collect();
         }
         let known = self.members.list.len();
-        self.members.draw(count as usize, &mut self.search)?;
+        self.members.draw(count as usize, &mut self.encounters)?;
         let candidates = self.scenery.scenario.candidates.len();
         for member in &self.members.list[known..] {
             let begin = |k| Course::new(self.scenery, Rc::clone(member), k);
@@ -137,18 +154,39 @@ impl<'r> Rounds<'r> {
     /// Searches for the contact that comes next in every course, as far as that matters.
     pub(super) fn search(
         &mut self,
+        surveyor: &mut Surveyor<'_>,
         is_due: Option<&dyn Fn() -> bool>,
-    ) -> Result<Round, RequestError> {
+    ) -> Result<Round, RunError> {
         let begun_ns = clock::now_ns();
         let (mut meetings, mut contacts) = (Vec::new(), Vec::new());
-        for k in 0..self.courses.len() {
-            if !self.courses[k].is_open() {
-                continue;
+        let mut from = 0;
+        while from < self.courses.len() {
+            let block = from..(from + self.block()).min(self.courses.len());
+            from = block.end;
+            let mut found = vec![None; block.len()];
+            // Each look is at a later time than the last one at that party.
+            loop {
+                self.look(&block, surveyor, is_due)?;
+                for k in block.clone() {
+                    if found[k - block.start].is_none() {
+                        found[k - block.start] = self.next(k)?;
+                    }
+                }
+                if !self.courses[block.clone()].iter().any(Course::needs_looks) {
+                    break;
+                }
             }
-            if let Some((meeting, contact)) = self.next(k, is_due)? {
-                meetings.push((k, meeting));
-                contacts.push(contact);
-            } else if self.is_worth_a_look(k) && self.is_decided(&[])? {
+            let mut is_one_over = false;
+            for (k, found) in block.zip(found) {
+                match found {
+                    Some((meeting, contact)) => {
+                        meetings.push((k, meeting));
+                        contacts.push(contact);
+                    }
+                    None => is_one_over |= !self.courses[k].is_open(),
+                }
+            }
+            if is_one_over && self.is_decided(&[])? {
                 break;
             }
         }
@@ -165,20 +203,62 @@ impl<'r> Rounds<'r> {
         Ok(Round { meetings, contacts })
     }
 
-    /// Whether a course has just ended after which there may be nothing left to do: of members only
-    /// all candidates together.
-    fn is_worth_a_look(&self, course: usize) -> bool {
-        let candidates = self.scenery.scenario.candidates.len();
-        let is_last = self.drawn() == 0 || (course + 1).is_multiple_of(candidates);
-        is_last && !self.courses[course].is_open()
+    /// How many courses are searched together. Where work may end early, after each candidate there
+    /// may be nothing left to do; of members only after all candidates together.
+    fn block(&self) -> usize {
+        match (self.stop.is_watched(), self.drawn()) {
+            (false, _) => self.courses.len(),
+            (true, 0) => 1,
+            (true, _) => self.scenery.scenario.candidates.len(),
+        }
     }
 
-    /// The next contact of a course that has to be surveyed.
-    fn next(
+    /// Looks at whomever these courses may meet next.
+    fn look(
         &mut self,
-        k: usize,
+        block: &Range<usize>,
+        surveyor: &mut Surveyor<'_>,
         is_due: Option<&dyn Fn() -> bool>,
-    ) -> Result<Option<(NextContact, Candidate)>, RequestError> {
+    ) -> Result<(), RunError> {
+        let (scenery, encounters) = (self.scenery, &mut self.encounters);
+        let courses = &mut self.courses[block.clone()];
+        for course in courses.iter_mut().filter(|course| course.needs_looks()) {
+            course.way.prepare(encounters);
+        }
+        let (mut asked, mut far) = (Vec::new(), Vec::new());
+        let (mut of_asked, search) = (Vec::new(), &mut self.effort.search);
+        for (k, course) in courses.iter().enumerate().filter(|(_, course)| course.needs_looks()) {
+            for (party, look) in course.way.looks() {
+                search.encounters += 1;
+                if !look.may_touch && look.ways.are_far(&(look.from_s..look.end_s)) {
+                    far.push((k, party));
+                    continue;
+                }
+                search.in_trees += 1;
+                of_asked.push((k, party));
+                asked.push(AskedLook { models: scenery.numbers(party), look });
+            }
+        }
+        if !asked.is_empty() {
+            let looked = surveyor.look(&asked, self.stage, encounters, is_due)?;
+            drop(asked);
+            search.nb += looked.counters.nb;
+            search.np += looked.counters.np;
+            if looked.by_workers {
+                self.reports.extend(surveyor.report());
+            }
+            for ((k, party), seen) in of_asked.into_iter().zip(looked.seen) {
+                courses[k].way.learn(party, seen, encounters);
+            }
+        }
+        for (k, party) in far {
+            courses[k].way.learn(party, Some(LookOutcome::Never), encounters);
+        }
+        Ok(())
+    }
+
+    /// The next contact of a course that has to be surveyed; `None`, too, if that needs a look.
+    fn next(&mut self, k: usize) -> Result<Option<(NextContact, Candidate)>, RequestError> {
         let (stage, extremes) = (self.stage, &self.extremes[..]);
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
@@ -191,8 +271,8 @@ impl<'r> Rounds<'r> {
         if course.stuck.is_some() {
             return Ok(None);
         }
-        while let Some(meeting) = course.way.next(&mut self.search, is_due) {
-            let mut contact = contact(&self.scenery, &self.people, course, &meeting, &support_of)?;
+        while let Some(meeting) = course.way.next() {
+            let contact = contact(&self.scenery, &self.people, course, &meeting, &support_of)?;
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
             let parts =
@@ -204,9 +284,6 @@ impl<'r> Rounds<'r> {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {
-                    let parties = [self.scenery.scenario.ego.0, meeting.party];
-                    let outlines = parties.map(|party| &self.scenery.body(party).0.outlines);
-                    contact.lay_plane(outlines, meeting.touching.point);
                     return Ok(Some((meeting, contact)));
                 }
             }

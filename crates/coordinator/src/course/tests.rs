@@ -1,7 +1,6 @@
 //! Whole rankings over a horizon of scenes whose answer follows from the scene.
 
 use super::assessed_contact::{assessed, contact, settle};
-use super::encounter::EncounterSearch;
 use super::member::Member;
 use super::way::Scenery;
 use super::*;
@@ -12,8 +11,10 @@ use crate::work::SurveyRun;
 use body::{Body, BodyView, Meta, Shape};
 use bvh::support::support_near;
 use damage::{AnswerState, Criteria, Policy};
+use executor::encounter::Encounters;
 use geometry::DVec3;
 use geometry::rng::Rng;
+use std::ops::ControlFlow;
 use std::rc::Rc;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
@@ -385,13 +386,16 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let people = People::of(&scenario, &|party| scenery.body(party));
         let member = Rc::new(Member::nominal(&scenery));
         let mut course = Course::new(scenery, member, 0);
-        let meeting = course.way.next(&mut EncounterSearch::default(), None).expect("they meet");
+        let mut encounters = Encounters::default();
+        let (party, look) = course.way.looks().next().expect("nothing is known yet");
+        let (seen, _) = encounters.look(&look, &mut |_| ControlFlow::Continue(())).expect("seen");
+        course.way.learn(party, Some(seen), &mut encounters);
+        let meeting = course.way.next().expect("they meet");
         let support_of = |model: usize, d: DVec3, near: &mut Option<[f32; 3]>| {
             support_near(&views[model].1, d, near)
         };
         let candidate = contact(&scenery, &people, &course, &meeting, &support_of);
-        let mut candidate = candidate.expect("it closes");
-        candidate.lay_plane([&sedan.meta.outlines; 2], meeting.touching.point);
+        let candidate = candidate.expect("it closes");
         let request = Request {
             candidates: vec![candidate],
             persons: people.list.clone(),

@@ -1,7 +1,7 @@
 //! Trials of the bounds of courses: the work on a request is stopped anywhere, and what is then
 //! said is checked against the finished work.
 //!
-//! The search is stopped at one of its looks at the clock, and jobs of surveys are lost. What must
+//! The search is stopped at one of its looks, and looks and jobs of surveys are lost. What must
 //! hold then: the finished harm, risks and energy lie in their intervals; before the time from
 //! which on a candidate is open, everybody is known whom the finished work finds; and who is
 //! certified to win wins.
@@ -17,7 +17,6 @@ use crate::request_limits::Until;
 use crate::workspace::{BodySet, RunError};
 use damage::{AnswerState, Interval};
 use geometry::rng::Rng;
-use record::RecordedSearch;
 use std::fmt::Write as _;
 
 /// A deliberate flaw in what is said of courses.
@@ -71,7 +70,7 @@ pub fn trial_courses(
     flaw: Option<CourseFlaw>,
 ) -> Result<TrialResult, RunError> {
     let mut rng = Rng::new(seed);
-    let never = SearchClock::recorded(Some(RecordedSearch { over_at: None }));
+    let never = SearchClock::trial(None);
     let stopped = |until: Until, clock: &SearchClock, loses: u64, seed: u64| {
         let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
         let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
@@ -84,11 +83,11 @@ pub fn trial_courses(
         end => end?,
     };
     for _ in 0..stops {
-        let look = rng.below(never.looks() + 1);
+        let point = rng.below(never.points() + 1);
         // Most surveys are whole, so that courses go on after them.
         let loses = [0, 0, 0, 100, 10, 1][rng.below(6) as usize];
-        let over_at = (rng.below(5) > 0).then_some(look);
-        let clock = SearchClock::recorded(Some(RecordedSearch { over_at }));
+        let over_at = (rng.below(5) > 0).then_some(point);
+        let clock = SearchClock::trial(over_at);
         let until = [Until::Complete, Until::Ordered, Until::Certified][rng.below(3) as usize];
         let mut now = stopped(until, &clock, loses, rng.below(u64::MAX))?;
         if let Some(flaw) = flaw {

@@ -11,10 +11,10 @@
 //! the contact is assessed again and again, after [`PASSED_M`] of travel or sooner, and where it is
 //! heavy, that is the contact: so a first touch of a mirror does not hide a crash.
 
-use super::encounter::{EncounterSearch, Encountered, Nested, Touching, Ways};
 use super::member::Member;
 use body::{BodyView, Meta, Shells};
 use damage::course::{PASSED_M, RunOut};
+use executor::encounter::{Encounters, Look, LookOutcome, Nested, Touching, Ways};
 use geometry::Pose;
 use geometry::motion::{MotionPath, State};
 use scenario::{Candidate, Motion, Scenario};
@@ -92,11 +92,17 @@ impl<'s> Scenery<'s> {
         's: 'p,
     {
         let models = [self.scenario.ego.0, party].map(|party| self.models[party]);
-        Ways {
-            bodies: models.map(|model| self.bodies[model].1),
-            shells: models.map(|model| &self.shells[model]),
-            paths,
-        }
+        Ways { bodies: models.map(|model| self.bodies[model].1), paths }
+    }
+
+    /// The shells of the ego and of a party.
+    pub(crate) fn shells_of(&self, party: usize) -> [&'s Shells; 2] {
+        [self.scenario.ego.0, party].map(|party| &self.shells[self.models[party]])
+    }
+
+    /// The bodies of the ego and of a party: their numbers in the store.
+    pub(crate) fn numbers(&self, party: usize) -> [u32; 2] {
+        [self.scenario.ego.0, party].map(|party| self.models[party] as u32)
     }
 
     /// How a party moves in a candidate: as it reacts, or as is most probable.
@@ -210,19 +216,89 @@ impl<'s> Way<'s> {
         self.scenery.ways(party, [self.ego_path(), path])
     }
 
-    /// The contact that comes next; `None` at the end of the way, or if what comes next is open.
-    pub(crate) fn next(
+    /// Settles what takes no look: what lies behind the end of the way, and who lies inside whom at
+    /// the start.
+    pub(crate) fn prepare(&mut self, encounters: &mut Encounters) {
+        for party in 0..self.ahead.len() {
+            let Ahead::Unknown { from_s, still } = self.ahead[party] else { continue };
+            if from_s >= self.end_s {
+                if still.is_some() {
+                    self.touching_at_end.push(party);
+                }
+                self.ahead[party] = Ahead::Clear;
+            } else if from_s <= 0.0 && still.is_none() && self.run_outs.is_empty() {
+                match self.member.nested(&self.scenery, party, encounters) {
+                    Nested::No => {}
+                    Nested::Yes(touching) => {
+                        let begin = Begin::AtStart;
+                        self.ahead[party] = Ahead::Contact(NextContact { party, begin, touching });
+                    }
+                    Nested::Undecided if self.undecided_at_start.contains(&party) => {}
+                    Nested::Undecided => self.undecided_at_start.push(party),
+                }
+            }
+        }
+    }
+
+    /// Whether looks are needed to know what comes next.
+    pub(crate) fn needs_looks(&self) -> bool {
+        let is_unknown = |ahead: &Ahead| matches!(ahead, Ahead::Unknown { .. });
+        self.open_from_s.is_none() && self.ahead.iter().any(is_unknown)
+    }
+
+    /// The looks that are needed, and at whom.
+    pub(crate) fn looks(&self) -> impl Iterator<Item = (usize, Look<'_>)> {
+        self.ahead.iter().enumerate().filter_map(|(party, ahead)| {
+            let Ahead::Unknown { from_s, still } = *ahead else { return None };
+            let look = Look {
+                ways: self.ways(party),
+                from_s,
+                end_s: self.end_s,
+                resolution_m: self.scenery.scenario.resolution_m,
+                may_touch: still.is_some(),
+            };
+            Some((party, look))
+        })
+    }
+
+    /// Takes what a look at a party showed; `None`: it was not done.
+    pub(crate) fn learn(
         &mut self,
-        search: &mut EncounterSearch,
-        is_due: Option<&dyn Fn() -> bool>,
-    ) -> Option<NextContact> {
+        party: usize,
+        seen: Option<LookOutcome>,
+        encounters: &mut Encounters,
+    ) {
+        let Ahead::Unknown { from_s, still } = self.ahead[party] else { return };
+        let contact = |begin, touching| Ahead::Contact(NextContact { party, begin, touching });
+        self.ahead[party] = match (seen, still) {
+            (None, _) => Ahead::Open { from_s },
+            (Some(LookOutcome::Never), _) => Ahead::Clear,
+            (Some(LookOutcome::Contact(touching)), _) => {
+                let is_at_start = touching.time_s <= 0.0 && self.run_outs.is_empty();
+                contact(if is_at_start { Begin::AtStart } else { Begin::Touched }, touching)
+            }
+            (Some(LookOutcome::Still(touching)), still) => {
+                contact(still.map_or(Begin::Again, |still| still.look), touching)
+            }
+            (Some(LookOutcome::Hidden), still) => {
+                let (ways, shells) = (self.ways(party), self.scenery.shells_of(party));
+                let nested = encounters.nested(&ways, shells, from_s);
+                match still.filter(|_| matches!(nested, Nested::Yes(_))) {
+                    // Inside, without a triangle that touches, there is nothing to assess.
+                    Some(still) => {
+                        Ahead::Unknown { from_s: from_s + still.step_s, still: Some(still) }
+                    }
+                    None => Ahead::Unknown { from_s, still: None },
+                }
+            }
+        };
+    }
+
+    /// The contact that comes next; `None` at the end of the way, or if what comes next is open or
+    /// needs a look.
+    pub(crate) fn next(&mut self) -> Option<NextContact> {
         if self.open_from_s.is_some() {
             return None;
-        }
-        for party in 0..self.ahead.len() {
-            if let Ahead::Unknown { from_s, still } = self.ahead[party] {
-                self.ahead[party] = self.look(party, from_s, still, search, is_due);
-            }
         }
         let mut next: Option<NextContact> = None;
         let mut open_s = f64::INFINITY;
@@ -236,7 +312,8 @@ impl<'s> Way<'s> {
                     }
                 }
                 Ahead::Open { from_s } => open_s = open_s.min(*from_s),
-                Ahead::Unknown { .. } | Ahead::Clear | Ahead::Done => {}
+                Ahead::Unknown { .. } => return None,
+                Ahead::Clear | Ahead::Done => {}
             }
         }
         // What is open may come first.
@@ -260,70 +337,6 @@ impl<'s> Way<'s> {
             Ahead::Clear | Ahead::Done => None,
         };
         self.open_from_s = self.ahead.iter().filter_map(from_s).min_by(f64::total_cmp);
-    }
-
-    /// Looks for the next contact with a party.
-    fn look(
-        &mut self,
-        party: usize,
-        mut from_s: f64,
-        still: Option<Still>,
-        search: &mut EncounterSearch,
-        is_due: Option<&dyn Fn() -> bool>,
-    ) -> Ahead {
-        let end_s = self.end_s;
-        if let Some(still) = still {
-            loop {
-                if from_s >= end_s {
-                    self.touching_at_end.push(party);
-                    return Ahead::Clear;
-                }
-                if is_due.is_some_and(|is_due| is_due()) {
-                    return Ahead::Open { from_s };
-                }
-                let ways = self.ways(party);
-                let is_apart = !search.touch_at(&ways, from_s)
-                    && !matches!(search.nested(&ways, from_s), Nested::Yes(_));
-                if is_apart {
-                    break;
-                }
-                // Inside, without a triangle that touches, there is nothing to assess.
-                match search.still(&ways, from_s, is_due) {
-                    Encountered::Contact(touching) => {
-                        let begin = still.look;
-                        return Ahead::Contact(NextContact { party, begin, touching });
-                    }
-                    Encountered::Open { from_s } => return Ahead::Open { from_s },
-                    Encountered::Never => from_s += still.step_s,
-                }
-            }
-        }
-        if from_s >= end_s {
-            return Ahead::Clear;
-        }
-        if is_due.is_some_and(|is_due| is_due()) {
-            return Ahead::Open { from_s };
-        }
-        if from_s <= 0.0 && self.run_outs.is_empty() {
-            match search.nested(&self.ways(party), from_s) {
-                Nested::No => {}
-                Nested::Yes(touching) => {
-                    return Ahead::Contact(NextContact { party, begin: Begin::AtStart, touching });
-                }
-                Nested::Undecided => self.undecided_at_start.push(party),
-            }
-        }
-        let resolution_m = self.scenery.scenario.resolution_m;
-        let found = search.first(&self.ways(party), from_s..end_s, resolution_m, is_due);
-        match found {
-            Encountered::Never => Ahead::Clear,
-            Encountered::Open { from_s } => Ahead::Open { from_s },
-            Encountered::Contact(touching) => {
-                let is_at_start = touching.time_s <= 0.0 && self.run_outs.is_empty();
-                let begin = if is_at_start { Begin::AtStart } else { Begin::Touched };
-                Ahead::Contact(NextContact { party, begin, touching })
-            }
-        }
     }
 
     /// Whether a light contact with a party may still give way to a heavy one of the same crash.

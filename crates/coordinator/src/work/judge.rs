@@ -39,6 +39,7 @@ impl<'w> SurveyRun<'w> {
         let basis = self.basis();
         let mut harms = Vec::with_capacity(request.candidates.len());
         for (k, candidate) in request.candidates.iter().enumerate() {
+            self.lay_plane(k);
             let mut harm =
                 assess(&candidate.encounter(), &evidence(k), &basis).map_err(|source| {
                     RequestError::Assess { name: candidate.name.to_string(), source }

@@ -113,6 +113,7 @@ impl SurveyRun<'_> {
             }
             self.outlook.news[k] = (0, false);
             self.update_reach(k);
+            self.lay_plane(k);
             let evidence = self.evidence_by(k, true);
             if !self.outlook.bind(k, &candidate.encounter(), &evidence, &basis, high) {
                 return;

@@ -3,11 +3,12 @@
 use super::{Hardware, Options, WorkerReport};
 use core::sync::atomic::Ordering;
 use dispatch::{Liveness, Patience, Pulse, StartPatience, StartPulse, StartWatch, Watch};
-use protocol::launch::{self, EVENT_FD, STATUS_FD, STORE_FD};
+use protocol::launch::{self, EVENT_FD, PATHS_FD, STATUS_FD, STORE_FD};
 use protocol::status::read_started;
 use protocol::{Head, Incarnation, JobId, Launch, MessageKind, Reject, RequestId};
 use runtime::counters::{HardwareCounters, HardwareCounts};
-use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, futex, process};
+use runtime::{Child, EventFd, Exit, OsError, SealedMemory, Spawn, StatusMemory, WrittenWords};
+use runtime::{futex, process};
 use transport::{CoordinatorLink, Domain, OpenError, Sizes, Traffic, UseError};
 
 /// How long a worker that has ended, or was killed, is waited for (ms).
@@ -90,7 +91,7 @@ impl WorkerHandle {
         domain: &Domain,
         options: &Options,
         core: Option<usize>,
-        (store, status): (&SealedMemory, &StatusMemory),
+        (store, status, paths): (&SealedMemory, &StatusMemory, &WrittenWords),
         wake_fd: EventFd,
         spawn: fn(Spawn<'_>) -> Result<Child, OsError>,
     ) -> Result<Self, StartError> {
@@ -102,7 +103,12 @@ impl WorkerHandle {
         };
         let link = CoordinatorLink::create(domain, launch.who, &sizes, &options.build)?;
         let args = ["worker".to_owned(), launch.to_word()];
-        let fds = [(store.fd(), STORE_FD), (status.fd(), STATUS_FD), (wake_fd.fd(), EVENT_FD)];
+        let fds = [
+            (store.fd(), STORE_FD),
+            (status.fd(), STATUS_FD),
+            (wake_fd.fd(), EVENT_FD),
+            (paths.fd(), PATHS_FD),
+        ];
         // Nobody waits until it runs: its greeting shows that.
         let child = spawn(Spawn { program: &options.program, args: &args, fds: &fds, core })?;
         let report = WorkerReport {

@@ -100,10 +100,13 @@ struct Edge {
 
 type Edges = SmallVec<[Edge; 32]>;
 
-/// The edges of one outline, or of those of it that count.
+/// The edges of one outline that lie beside an edge of the other: nothing else can cross it, or be
+/// met by a ray along u from a point on it.
 #[derive(Clone, Copy)]
 struct Side<'e> {
     edges: &'e [Edge],
+    /// Their numbers.
+    beside: &'e [u16],
     /// How far they have moved along u (m).
     moved_m: f64,
     /// Whether all edges in this direction along u are there: what is inside is told by them.
@@ -124,14 +127,19 @@ impl Edge {
     }
 }
 
-impl Side<'_> {
+impl<'e> Side<'e> {
+    fn beside(&self) -> impl Iterator<Item = &'e Edge> + use<'e> {
+        let edges = self.edges;
+        self.beside.iter().map(move |number| &edges[usize::from(*number)])
+    }
+
     /// How the middle of a piece lies to the outline.
     fn place(&self, piece: [[f64; 2]; 2]) -> Place {
         let middle =
             [0.5 * (piece[0][0] + piece[1][0]) - self.moved_m, 0.5 * (piece[0][1] + piece[1][1])];
         let way = sub(piece[1], piece[0]);
         let mut is_in = false;
-        for edge in self.edges {
+        for edge in self.beside() {
             if edge.high[1] < middle[1] - SAME_M || edge.low[1] > middle[1] + SAME_M {
                 continue;
             }
@@ -159,11 +167,9 @@ impl Side<'_> {
         let mut cuts: SmallVec<[f64; 8]> = SmallVec::new();
         cuts.push(0.0);
         let square = dot(d, d);
-        for other in self.edges {
+        for other in self.beside() {
             let is_apart = other.high[0] + self.moved_m < edge.low[0] - SAME_M
-                || other.low[0] + self.moved_m > edge.high[0] + SAME_M
-                || other.high[1] < edge.low[1] - SAME_M
-                || other.low[1] > edge.high[1] + SAME_M;
+                || other.low[0] + self.moved_m > edge.high[0] + SAME_M;
             if is_apart {
                 continue;
             }
@@ -202,7 +208,38 @@ impl Side<'_> {
 /// Two outlines that face each other: the edges of either that the other may reach.
 pub(super) struct Facing {
     edges: [Edges; 2],
+    /// For each edge of A, and each of B, which of the other's lie beside it, whatever the travel.
+    beside: [Beside; 2],
     slabs: [f64; 2],
+}
+
+/// For each edge of an outline, numbers of edges of the other one: a body has at most
+/// [`body::outline::POINTS_MAX`] of them.
+#[derive(Default)]
+struct Beside {
+    numbers: Vec<u16>,
+    /// Where those of each edge end.
+    ends: SmallVec<[u32; 32]>,
+}
+
+impl Beside {
+    fn of(edges: &Edges, others: &Edges) -> Self {
+        let mut beside = Self::default();
+        for edge in edges {
+            let all = others.iter().zip(0..=u16::MAX);
+            let near = all.filter(|(other, _)| {
+                other.high[1] >= edge.low[1] - SAME_M && other.low[1] <= edge.high[1] + SAME_M
+            });
+            beside.numbers.extend(near.map(|(_, number)| number));
+            beside.ends.push(beside.numbers.len() as u32);
+        }
+        beside
+    }
+
+    fn of_edge(&self, number: usize) -> &[u16] {
+        let from = number.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.numbers[from as usize..self.ends[number] as usize]
+    }
 }
 
 impl Facing {
@@ -225,7 +262,8 @@ impl Facing {
         let (mut of_a, mut of_b) = (all(a), all(b));
         of_a.retain(|edge| edge.high[0] >= nearest);
         of_b.retain(|edge| edge.low[0] <= furthest);
-        Some(Self { edges: [of_a, of_b], slabs: [a.height_m[0], b.height_m[0]] })
+        let beside = [Beside::of(&of_a, &of_b), Beside::of(&of_b, &of_a)];
+        Some(Self { edges: [of_a, of_b], beside, slabs: [a.height_m[0], b.height_m[0]] })
     }
 
     /// The overlap after B has come nearer by a travel; `None` if there is none.
@@ -247,18 +285,21 @@ impl Facing {
         let origin = [0.5 * (low + high), of_a.first().map_or(0.0, |edge| edge.low[1])];
         let mut sums = Sums::at(origin);
         let mut found: SmallVec<[Piece; 8]> = SmallVec::new();
-        let sides = [
-            Side { edges: of_a, moved_m: 0.0, is_ahead: true },
-            Side { edges: of_b, moved_m: -travel_m, is_ahead: false },
-        ];
+        let moves = [0.0, -travel_m];
         for side in 0..2 {
-            let (own, other) = (sides[side], sides[1 - side]);
-            for edge in own.edges {
-                let edge = edge.moved(own.moved_m);
+            let (own_moved_m, other) = (moves[side], &self.edges[1 - side]);
+            for (number, edge) in self.edges[side].iter().enumerate() {
+                let edge = edge.moved(own_moved_m);
                 if edge.high[0] < low || edge.low[0] > high {
                     continue;
                 }
                 found.clear();
+                let other = Side {
+                    edges: other,
+                    beside: self.beside[side].of_edge(number),
+                    moved_m: moves[1 - side],
+                    is_ahead: side == 1,
+                };
                 other.pieces(&edge, &mut found);
                 let mut inside = 0.0;
                 for piece in &found {
@@ -279,7 +320,7 @@ impl Facing {
                 }
                 if inside > 0.0 {
                     let place = (edge.number, self.slabs[side]);
-                    note(&mut struck[side], place, edge.moved(-own.moved_m).ends, inside);
+                    note(&mut struck[side], place, edge.moved(-own_moved_m).ends, inside);
                 }
             }
         }

@@ -38,6 +38,9 @@ pub struct State {
     pub orientation: Orientation,
 }
 
+/// Numbers of a state: see [`State::to_bits`].
+pub const STATE_WORDS: usize = 8;
+
 /// The path of a body: between two states position is linear in time, and orientation turns at a
 /// constant rate about one axis, the shorter way.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,6 +167,24 @@ fn product(p: [f64; 4], q: [f64; 4]) -> [f64; 4] {
         ((a * y - b * z) + c * w) + d * x,
         ((a * z + b * y) - c * x) + d * w,
     ]
+}
+
+impl State {
+    /// The bits of time, position and quaternion, from which [`State::from_bits`] makes this state.
+    #[must_use]
+    pub fn to_bits(&self) -> [u64; STATE_WORDS] {
+        let ([x, y, z], [q, i, j, k]) = (self.position_m, self.orientation.quaternion);
+        [self.time_s, x, y, z, q, i, j, k].map(f64::to_bits)
+    }
+
+    /// The state of these bits. A path accepts it if it accepted that which they are of.
+    #[must_use]
+    pub fn from_bits(bits: [u64; STATE_WORDS]) -> Self {
+        let [time_s, x, y, z, q, i, j, k] = bits.map(f64::from_bits);
+        // Scaled to length 1 again, it would be another one.
+        let orientation = Orientation { quaternion: [q, i, j, k] };
+        Self { time_s, position_m: [x, y, z], orientation }
+    }
 }
 
 impl MotionPath {

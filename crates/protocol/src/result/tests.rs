@@ -28,8 +28,30 @@ proptest! {
         };
         let used = write_last(&mut words, n, &summary, supports);
         let last = read_last(&words[..used], n as u32);
-        prop_assert_eq!(last, Some(Last { summary, supports, hits: &hits[..n] }));
+        prop_assert_eq!(last, Some(Last { summary, supports, seen: None, hits: &hits[..n] }));
         prop_assert_eq!(read_last(&words[..used - 1], n as u32), None);
+    }
+
+    #[test]
+    fn what_a_look_showed_comes_back(time_s in any::<f64>(), ids in any::<[u32; 2]>()) {
+        let seen = WireSeen {
+            kind: SeenKind::Contact as u32,
+            is_certain: 1,
+            time_s,
+            excluded_before_s: 0.5,
+            triangles: [7, 9],
+            point: [1.0, -0.0, 2.0],
+            ids,
+        };
+        let mut words = vec![u64::MAX; TAIL_WORDS];
+        let summary = Summary { nb: 3, end: WireEnd::Complete as u32, ..Summary::zeroed() };
+        let used = write_seen(&mut words, &summary, &seen);
+        let last = read_last(&words[..used], 0).expect("it was written whole");
+        let bits = |seen: WireSeen| bytemuck::cast::<_, [u64; SEEN_WORDS]>(seen);
+        prop_assert_eq!(last.seen.map(bits), Some(bits(seen)));
+        prop_assert_eq!((last.summary.nb, last.supports, last.hits.len()), (3, None, 0));
+        prop_assert_eq!(read_last(&words[..used - 1], 0), None);
+        prop_assert_eq!(read_last(&words[..used], 2), None, "a look has no hits");
     }
 
     #[test]

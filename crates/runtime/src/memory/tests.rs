@@ -116,6 +116,27 @@ fn another_memfd_is_no_status_page() {
 }
 
 #[test]
+fn words_are_written_by_their_maker_alone() {
+    let mine = WrittenWords::create("test", 1024).unwrap();
+    let theirs = ReadWords::from_fd(copy(mine.fd()), 1024).unwrap();
+    mine.write(1000, &[7, 8, 9]);
+    let mut words = vec![1];
+    assert!(theirs.read(999, 4, &mut words));
+    assert_eq!(words, [1, 0, 7, 8, 9]);
+    for (first, count) in [(1022, 3), (usize::MAX, 2), (1025, 0)] {
+        assert!(!theirs.read(first, count, &mut words), "{first} {count}");
+    }
+    assert_eq!(rustix::fs::ftruncate(mine.fd(), 0), Err(Errno::PERM), "nobody can cut it short");
+    let fd = copy(mine.fd());
+    assert!(MmapOptions::new().map_raw(&fd).is_err(), "nobody else can write it");
+    assert!(rustix::io::pwrite(&fd, &[1], 0).is_err());
+    assert!(ReadWords::from_fd(copy(mine.fd()), 512).is_err(), "it has another size");
+    let page = StatusMemory::create().unwrap();
+    let len = size_of::<StatusPage>() / 8;
+    assert!(ReadWords::from_fd(copy(page.fd()), len).is_err(), "others may write it");
+}
+
+#[test]
 fn a_file_is_read_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model");

@@ -56,6 +56,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         rounds: history.rounds.clone(),
         until: history.until,
         search: history.search,
+        open_looks: history.open_looks.clone(),
         spans: spans(run),
         edges: edges(run),
         stages: stages(run),

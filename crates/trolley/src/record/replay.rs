@@ -132,7 +132,8 @@ impl Record {
             scene: true,
         };
         let (until, search, rounds) = (content.until, content.search, content.rounds.clone());
-        let history = CourseHistory { until, search, rounds };
+        let open_looks = content.open_looks.clone();
+        let history = CourseHistory { until, search, rounds, open_looks };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
         let RankedCourses { answer, explanation, effort, scene, .. } = ranked;
         let jobs = effort.jobs_in_process;

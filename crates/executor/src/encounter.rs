@@ -1,60 +1,139 @@
-//! Encounters: when the ego on its way first touches a party on its own.
+//! Encounters: when two bodies on their ways first touch.
 //!
 //! Bodies that are never as near as their radii reach are excluded without a look at their trees.
 //! All others go through `bvh::query::first_contact_in_motion`, which proves that they never touch,
 //! or finds when they do. Where neither body turns, the time is then made exact by the straight
 //! sweep.
 
-use body::{BodyView, Zones};
+use body::{BodyView, Shells};
 use bvh::query::{
-    Containment, MotionContact, MotionLimits, MotionWorkspace, RelativeMotion, Shells,
-    SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion, least_pair,
-    touches,
+    Containment, MotionContact, MotionLimits, MotionWorkspace, QueryWatch, RelativeMotion,
+    SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion_watched,
+    least_pair_watched, touches,
 };
 use bvh::support::support;
 use bvh::{Counters, SweepTask, Witness};
 use core::ops::{ControlFlow, Range};
 use geometry::motion::MotionPath;
 use geometry::{Bounds, DVec3, Directions, RelativePose, Sweep, Triangle};
-use serde::Serialize;
+use protocol::result::{SeenKind, WireSeen};
 
-/// Tests of the first look at an encounter where there is a deadline; each further look may do
-/// twice as many.
-const BUDGET: u64 = 1 << 18;
 /// How far around a pose the triangles that touch there are sought again (m).
 const AROUND_M: f64 = 1e-6;
 
-/// A contact of the ego with a party.
+/// A contact of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Touching {
+pub struct Touching {
     /// When (s).
-    pub(crate) time_s: f64,
+    pub time_s: f64,
     /// Nothing touches before (s).
-    pub(crate) excluded_before_s: f64,
+    pub excluded_before_s: f64,
     /// Whether triangles touch at that time; else they come as near as the resolution.
-    pub(crate) is_certain: bool,
+    pub is_certain: bool,
     /// Source ids of the two triangles.
-    pub(crate) ids: [u32; 2],
+    pub ids: [u32; 2],
     /// Their numbers in leaf order, and where they touch in A's frame (m).
-    pub(crate) triangles: [u32; 2],
-    pub(crate) point: DVec3,
+    pub triangles: [u32; 2],
+    /// See `triangles`.
+    pub point: DVec3,
 }
 
-/// What is known of an encounter.
+/// What a look at two bodies on their ways shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Encountered {
+pub enum LookOutcome {
     /// They never touch in that time: a proof.
     Never,
+    /// Their first contact.
     Contact(Touching),
-    /// Nothing touches before; from then on everything is open.
-    Open {
-        from_s: f64,
-    },
+    /// They have touched before, and do so still.
+    Still(Touching),
+    /// They have touched before, no triangle does any more, and one may lie inside the other.
+    Hidden,
+}
+
+impl LookOutcome {
+    /// As encoded.
+    #[must_use]
+    pub fn to_wire(&self) -> WireSeen {
+        let (kind, touching) = match self {
+            Self::Never => (SeenKind::Never, None),
+            Self::Contact(touching) => (SeenKind::Contact, Some(touching)),
+            Self::Still(touching) => (SeenKind::Still, Some(touching)),
+            Self::Hidden => (SeenKind::Hidden, None),
+        };
+        let kind = kind as u32;
+        touching.map_or(WireSeen { kind, ..WireSeen::default() }, |touching| WireSeen {
+            kind,
+            is_certain: u32::from(touching.is_certain),
+            time_s: touching.time_s,
+            excluded_before_s: touching.excluded_before_s,
+            triangles: touching.triangles,
+            point: touching.point.to_array(),
+            ids: touching.ids,
+        })
+    }
+
+    /// What a look showed, as encoded; `None` if that cannot be.
+    #[must_use]
+    pub fn from_wire(wire: &WireSeen, look: &Look<'_>) -> Option<Self> {
+        let kind = SeenKind::from_number(wire.kind)?;
+        let touching = || {
+            let [a, b] = [0, 1].map(|side: usize| {
+                look.ways.bodies[side].source_ids.get(wire.triangles[side] as usize).copied()
+            });
+            let is_possible = [a?, b?] == wire.ids
+                && look.from_s <= wire.excluded_before_s
+                && wire.excluded_before_s <= wire.time_s
+                && wire.time_s <= look.end_s.max(look.from_s)
+                && wire.point.iter().all(|x| x.is_finite());
+            is_possible.then(|| Touching {
+                time_s: wire.time_s,
+                excluded_before_s: wire.excluded_before_s,
+                is_certain: wire.is_certain == 1,
+                ids: wire.ids,
+                triangles: wire.triangles,
+                point: DVec3::from_array(wire.point),
+            })
+        };
+        Some(match kind {
+            SeenKind::Never => Self::Never,
+            SeenKind::Contact => Self::Contact(touching()?),
+            SeenKind::Still if look.may_touch => Self::Still(touching()?),
+            SeenKind::Hidden if look.may_touch => Self::Hidden,
+            SeenKind::Still | SeenKind::Hidden => return None,
+        })
+    }
+}
+
+/// Why a look shows nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unseen {
+    /// It was ended.
+    Stopped,
+    /// There is no such motion, or no such resolution. Paths that a scenario's reader accepts have
+    /// one.
+    NoMotion,
+}
+
+/// A look at two bodies on their ways.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'p> {
+    /// The bodies.
+    pub ways: Ways<'p>,
+    /// From when on (s).
+    pub from_s: f64,
+    /// Until when (s).
+    pub end_s: f64,
+    /// Contact that cannot be decided within this distance (m) counts.
+    pub resolution_m: f64,
+    /// They have touched before, and may do so still.
+    pub may_touch: bool,
 }
 
 /// How bodies lie to each other at the start, if their triangles do not touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Nested {
+pub enum Nested {
+    /// Neither lies inside the other, or triangles touch.
     No,
     /// One lies wholly inside the other.
     Yes(Touching),
@@ -62,46 +141,33 @@ pub(crate) enum Nested {
     Undecided,
 }
 
-/// What the search has taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct EncounterEffort {
-    /// Encounters: a candidate's way and a party, each time that it was looked at.
-    pub encounters: u64,
-    /// Those whose bodies came so near that their trees were looked at.
-    pub in_trees: u64,
-    /// Tests of boxes there.
-    pub nb: u64,
-    /// Tests of triangles there.
-    pub np: u64,
-}
-
-/// Buffers of the search.
+/// Buffers of looks, reusable for any bodies.
 #[derive(Debug, Default)]
-pub(crate) struct EncounterSearch {
+pub struct Encounters {
     motion: MotionWorkspace,
     poses: Workspace,
     sweep: SweepWorkspace,
-    pub(crate) effort: EncounterEffort,
 }
 
 /// Two bodies on their ways.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ways<'p> {
-    pub(crate) bodies: [BodyView<'p>; 2],
-    pub(crate) shells: [&'p Shells; 2],
-    pub(crate) paths: [&'p MotionPath; 2],
+pub struct Ways<'p> {
+    /// A, in whose frame triangles are tested, and B.
+    pub bodies: [BodyView<'p>; 2],
+    /// Where they go.
+    pub paths: [&'p MotionPath; 2],
 }
 
 impl Ways<'_> {
     /// B in A's frame at a time (s).
-    pub(crate) fn pose_at(&self, time_s: f64) -> RelativePose {
+    pub fn pose_at(&self, time_s: f64) -> RelativePose {
         let [a, b] = self.paths.map(|path| path.pose_at(time_s));
         RelativePose::between(&a, &b)
     }
 
     /// Whether the bodies stay apart in that time because their origins never come as near as both
     /// radii reach.
-    pub(crate) fn are_far(&self, span_s: &Range<f64>) -> bool {
+    pub fn are_far(&self, span_s: &Range<f64>) -> bool {
         let reach = self.bodies.iter().map(radius_m).sum::<f64>() * (1.0 + 1e-9) + 1e-6;
         let mut times: Vec<f64> = self
             .paths
@@ -127,6 +193,16 @@ impl Ways<'_> {
     }
 }
 
+/// Whether one body may lie inside the other at a pose of B in A's frame, as far as a quick look
+/// tells.
+fn may_be_nested(ways: &Ways<'_>, pose: &RelativePose) -> bool {
+    let [a, b] = ways.bodies;
+    let box_of_a = a.bounds();
+    let corner = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
+    let own = Bounds { min: corner(box_of_a.min), max: corner(box_of_a.max) };
+    own.overlaps(&pose.bounds(&b.bounds())) && !are_apart(ways.bodies, pose)
+}
+
 /// Whether a plane parallel to one of a few directions lies between two bodies; `pose` is that of B
 /// in A's frame. Shells are asked only where there is none: that takes longer.
 fn are_apart([a, b]: [BodyView<'_>; 2], pose: &RelativePose) -> bool {
@@ -144,29 +220,23 @@ fn radius_m(body: &BodyView<'_>) -> f64 {
     DVec3::new(far(0), far(1), far(2)).length()
 }
 
-impl EncounterSearch {
+impl Encounters {
     /// Whether triangles of both touch at a time (s).
-    pub(crate) fn touch_at(&mut self, ways: &Ways<'_>, time_s: f64) -> bool {
+    pub fn touch_at(&mut self, ways: &Ways<'_>, time_s: f64) -> bool {
         let [a, b] = ways.bodies;
         // A path keeps poses far within what is accepted.
         touches(a, b, &ways.pose_at(time_s), &mut self.poses).unwrap_or(true)
     }
 
     /// Whether one body lies wholly inside the other at a time (s), without a triangle that meets
-    /// another one.
-    pub(crate) fn nested(&mut self, ways: &Ways<'_>, time_s: f64) -> Nested {
+    /// another one; `shells` are those of the bodies.
+    pub fn nested(&mut self, ways: &Ways<'_>, shells: [&Shells; 2], time_s: f64) -> Nested {
         let pose = ways.pose_at(time_s);
         let [a, b] = ways.bodies;
-        let box_of_a = a.bounds();
-        let corner = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
-        let own = Bounds { min: corner(box_of_a.min), max: corner(box_of_a.max) };
-        if !own.overlaps(&pose.bounds(&b.bounds())) {
+        if !may_be_nested(ways, &pose) {
             return Nested::No;
         }
-        if are_apart(ways.bodies, &pose) {
-            return Nested::No;
-        }
-        match containment(a, b, ways.shells, &pose, &mut self.poses) {
+        match containment(a, b, shells, &pose, &mut self.poses) {
             Ok(Containment::BInA | Containment::AInB) => {
                 let inside = pose.bounds(&b.bounds());
                 Nested::Yes(Touching {
@@ -183,49 +253,60 @@ impl EncounterSearch {
         }
     }
 
-    /// The first contact in a span of time (s); contact that cannot be decided within
-    /// `resolution_m` (m) counts. `is_due` says whether to give up.
-    pub(crate) fn first(
+    /// Looks at two bodies, and counts the tests that it takes.
+    ///
+    /// # Errors
+    ///
+    /// If `watch` ends it, or there is no such motion.
+    pub fn look(
         &mut self,
-        ways: &Ways<'_>,
-        span_s: Range<f64>,
-        resolution_m: f64,
-        is_due: Option<&dyn Fn() -> bool>,
-    ) -> Encountered {
-        self.effort.encounters += 1;
-        if ways.are_far(&span_s) {
-            return Encountered::Never;
+        look: &Look<'_>,
+        watch: QueryWatch<'_>,
+    ) -> Result<(LookOutcome, Counters), Unseen> {
+        if look.may_touch {
+            match self.still(&look.ways, look.from_s, &mut *watch)? {
+                Some(touching) => return Ok((LookOutcome::Still(touching), Counters::default())),
+                None if may_be_nested(&look.ways, &look.ways.pose_at(look.from_s)) => {
+                    return Ok((LookOutcome::Hidden, Counters::default()));
+                }
+                None => {}
+            }
         }
-        self.effort.in_trees += 1;
+        self.first(look, watch)
+    }
+
+    /// The first contact in a span of time.
+    fn first(
+        &mut self,
+        look: &Look<'_>,
+        watch: QueryWatch<'_>,
+    ) -> Result<(LookOutcome, Counters), Unseen> {
+        let Look { ways, from_s, end_s, resolution_m, .. } = look;
+        if ways.are_far(&(*from_s..*end_s)) {
+            return Ok((LookOutcome::Never, Counters::default()));
+        }
         let [path_a, path_b] = ways.paths;
         let motion = RelativeMotion::new(path_a, path_b)
-            .and_then(|motion| motion.between(span_s.start, span_s.end));
-        // The reader accepts no path and no resolution that the search does not.
-        let Ok(motion) = motion else { return Encountered::Open { from_s: span_s.start } };
-        within_due(is_due, |budget| {
-            let limits = MotionLimits { resolution_m, budget };
-            let [a, b] = ways.bodies;
-            let found = first_contact_in_motion(a, b, &motion, &limits, &mut self.motion);
-            let Counters { nb, np } = self.motion.effort().counters;
-            self.effort.nb += nb;
-            self.effort.np += np;
-            match found {
-                Ok(MotionContact::Excluded) => ControlFlow::Break(Encountered::Never),
-                Ok(MotionContact::Certain { time_s, excluded_before_s, ids }) => {
-                    let touching = self.at(ways, (time_s, excluded_before_s), true, ids);
-                    ControlFlow::Break(Encountered::Contact(touching))
-                }
-                Ok(MotionContact::Possible { time_s, to_s, ids }) => {
-                    let middle_s = 0.5 * (time_s + to_s);
-                    let touching = self.at(ways, (middle_s, time_s), false, ids);
-                    ControlFlow::Break(Encountered::Contact(touching))
-                }
-                Ok(MotionContact::OutOfBudget { excluded_before_s }) => {
-                    ControlFlow::Continue(excluded_before_s)
-                }
-                Err(_) => ControlFlow::Break(Encountered::Open { from_s: span_s.start }),
+            .and_then(|motion| motion.between(*from_s, *end_s))
+            .map_err(|_| Unseen::NoMotion)?;
+        let limits = MotionLimits { resolution_m: *resolution_m, budget: u64::MAX };
+        let [a, b] = ways.bodies;
+        let limits = (&limits, watch);
+        let found = first_contact_in_motion_watched(a, b, &motion, limits, &mut self.motion);
+        let counters = self.motion.effort().counters;
+        let touching = match found {
+            Ok(MotionContact::Excluded) => return Ok((LookOutcome::Never, counters)),
+            Ok(MotionContact::Certain { time_s, excluded_before_s, ids }) => {
+                self.at(ways, (time_s, excluded_before_s), true, ids)
             }
-        })
+            Ok(MotionContact::Possible { time_s, to_s, ids }) => {
+                let middle_s = 0.5 * (time_s + to_s);
+                self.at(ways, (middle_s, time_s), false, ids)
+            }
+            Ok(MotionContact::OutOfBudget { .. }) => return Err(Unseen::Stopped),
+            Err(_) => return Err(Unseen::NoMotion),
+        };
+        Ok((LookOutcome::Contact(touching), counters))
     }
 
     /// The contact at a time, made exact where neither body turns.
@@ -289,41 +370,22 @@ impl EncounterSearch {
         })
     }
 
-    /// The contact of bodies that touch at a time (s), if a triangle does. `is_due` says whether to
-    /// give up.
-    pub(crate) fn still(
+    /// The contact of bodies that touch at a time (s), if a triangle does.
+    fn still(
         &mut self,
         ways: &Ways<'_>,
         time_s: f64,
-        is_due: Option<&dyn Fn() -> bool>,
-    ) -> Encountered {
+        watch: QueryWatch<'_>,
+    ) -> Result<Option<Touching>, Unseen> {
         let [a, b] = ways.bodies;
         let pose = ways.pose_at(time_s);
-        within_due(is_due, |budget| match least_pair(a, b, &pose, budget, &mut self.poses) {
-            Ok(ControlFlow::Continue(Some(ids))) => {
-                let touching = self.at(ways, (time_s, time_s), true, ids);
-                ControlFlow::Break(Encountered::Contact(touching))
+        // A path keeps poses far within what is accepted.
+        match least_pair_watched(a, b, &pose, (u64::MAX, watch), &mut self.poses) {
+            Ok(ControlFlow::Continue(least)) => {
+                Ok(least.map(|ids| self.at(ways, (time_s, time_s), true, ids)))
             }
-            Ok(ControlFlow::Continue(None)) | Err(_) => ControlFlow::Break(Encountered::Never),
-            Ok(ControlFlow::Break(())) => ControlFlow::Continue(time_s),
-        })
-    }
-}
-
-/// Looks with ever larger budgets until it is due; without `is_due` once, with all that it takes.
-/// `look` says from when on (s) everything is open if its budget does not suffice.
-fn within_due(
-    is_due: Option<&dyn Fn() -> bool>,
-    mut look: impl FnMut(u64) -> ControlFlow<Encountered, f64>,
-) -> Encountered {
-    let mut budget = if is_due.is_some() { BUDGET } else { u64::MAX };
-    loop {
-        match look(budget) {
-            ControlFlow::Break(found) => return found,
-            ControlFlow::Continue(from_s) if is_due.is_none_or(|is_due| is_due()) => {
-                return Encountered::Open { from_s };
-            }
-            ControlFlow::Continue(_) => budget = budget.saturating_mul(2),
+            Ok(ControlFlow::Break(())) => Err(Unseen::Stopped),
+            Err(_) => Err(Unseen::NoMotion),
         }
     }
 }
@@ -357,8 +419,5 @@ fn touching_point(ways: &Ways<'_>, pose: &RelativePose, [a, b]: [u32; 2]) -> DVe
     best
 }
 
-/// Zones of the triangles of a contact: of A's, of B's.
-pub(crate) fn zones(bodies: [&BodyView<'_>; 2], triangles: [u32; 2]) -> [Zones; 2] {
-    let zone = |side: usize| bodies[side].zones.get(triangles[side] as usize).copied();
-    [0, 1].map(|side| zone(side).unwrap_or(Zones(0)))
-}
+#[cfg(test)]
+mod tests;
