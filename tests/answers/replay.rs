@@ -171,8 +171,8 @@ fn replayed_when_late(scenario: &Scenario, engine: &mut Engine) {
         assert_eq!(replay.explanation, ranking.explanation, "{due_ms} ms");
         if ranking.answer.state == AnswerState::Complete {
             done += 1;
-            // Had time been over at the first look, less would be known.
-            record.content.search.as_mut().unwrap().over_at = Some(0);
+            // Had the first look not been done, less would be known.
+            record.content.open_looks.resize_with(1, Default::default);
             let less = record.replay(&file, None, SILENT).unwrap().answer;
             assert_ne!(less.state, AnswerState::Complete, "{due_ms} ms");
         } else {

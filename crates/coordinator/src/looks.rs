@@ -106,7 +106,7 @@ impl WorkerPool {
             let mut run = LookRun::of(left, bodies, OUT_PER_WORKER * self.size(), due_ns);
             self.write_paths(&run.words);
             left = &left[run.asked.len()..];
-            self.work_off(&mut run)?;
+            self.work_off_unlogged(&mut run)?;
             looked.seen.append(&mut run.seen);
             looked.counters.add(&run.counters);
         }

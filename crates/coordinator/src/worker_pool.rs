@@ -228,6 +228,19 @@ impl WorkerPool {
         self.effects = effects;
         done
     }
+
+    /// [`WorkerPool::work_off`] what takes no sections: the log stays that of the last request that
+    /// does.
+    pub(crate) fn work_off_unlogged<W: TaskSource>(
+        &mut self,
+        work: &mut W,
+    ) -> Result<(), WorkerPoolError> {
+        let log = self.dispatcher.exchange_log(None);
+        let done = self.work_off(work);
+        self.dispatcher.exchange_log(log);
+        done
+    }
+
     fn work_off_by<W: TaskSource>(
         &mut self,
         work: &mut W,

@@ -188,6 +188,12 @@ impl<S: MatchScheme> Dispatcher<S> {
         self.log.get_or_insert_default();
     }
 
+    /// Exchanges the log for another one; `None`: there is none, and none is kept. So a request
+    /// without sections leaves that of the last one with sections as it is.
+    pub fn exchange_log(&mut self, log: Option<Vec<LogEntry>>) -> Option<Vec<LogEntry>> {
+        core::mem::replace(&mut self.log, log)
+    }
+
     /// The log since [`Dispatcher::begin`], in order.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {

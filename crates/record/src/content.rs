@@ -166,7 +166,7 @@ pub struct RecordedSearch {
 }
 
 /// A look for a contact that was not done, as there was no time or it was given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OpenLook {
     /// Its number, from 0: looks are asked for in an order that follows from the scene and from
     /// what was found so far.

@@ -234,7 +234,12 @@ impl Run {
             run.section_bytes += before.section_bytes;
             run.section_bytes_unshared += before.section_bytes_unshared;
             run.sections_evicted += before.sections_evicted;
+            for (worker, before) in run.workers.iter_mut().zip(before.workers) {
+                worker.include(before);
+            }
         }
+        // Looks for contacts are counted with these.
+        run.jobs = run.jobs.saturating_sub(run.search.jobs);
         run
     }
 

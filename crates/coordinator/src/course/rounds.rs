@@ -34,6 +34,8 @@ pub struct EncounterEffort {
     pub encounters: u64,
     /// Those whose bodies came so near that their trees were looked at.
     pub in_trees: u64,
+    /// Those that workers looked at.
+    pub jobs: u64,
     /// Tests of boxes there.
     pub nb: u64,
     /// Tests of triangles there.
@@ -245,6 +247,7 @@ impl<'r> Rounds<'r> {
             search.nb += looked.counters.nb;
             search.np += looked.counters.np;
             if looked.by_workers {
+                search.jobs += looked.seen.len() as u64;
                 self.reports.extend(surveyor.report());
             }
             for ((k, party), seen) in of_asked.into_iter().zip(looked.seen) {

@@ -40,6 +40,30 @@ pub struct WorkerReport {
     pub lost: Option<String>,
 }
 
+impl WorkerReport {
+    /// Adds the counts of an earlier request; spans and how it ended stay those of this one.
+    pub fn include(&mut self, before: Self) {
+        self.jobs += before.jobs;
+        self.tests += before.tests;
+        self.batches += before.batches;
+        self.batch_bytes += before.batch_bytes;
+        self.batch_lines += before.batch_lines;
+        self.results += before.results;
+        self.result_bytes += before.result_bytes;
+        self.result_lines += before.result_lines;
+        self.busy_ns += before.busy_ns;
+        self.lost = self.lost.take().or(before.lost);
+        if let (
+            Hardware::Counted { instructions, cache_misses },
+            Hardware::Counted { instructions: more, cache_misses: missed },
+        ) = (&mut self.hardware, before.hardware)
+        {
+            *instructions += more;
+            *cache_misses += missed;
+        }
+    }
+}
+
 /// Hardware counters of one worker.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
