@@ -57,9 +57,12 @@ class Party(ctypes.Structure):
         ("responsibility", c_double),
         ("crush", c_double * 2),
         ("size_m", c_double * 3),
-        ("position_covariance_m2", c_double * 4),
-        ("yaw_variance_deg2", c_double),
-        ("speed_variance", c_double),
+        ("lateral_m", c_double),
+        ("longitudinal_m", c_double),
+        ("correlation", c_double),
+        ("yaw_deg", c_double),
+        ("speed_share", c_double),
+        ("room", c_uint64),
     ]
 
 
@@ -81,11 +84,13 @@ class Ask(ctypes.Structure):
         ("path_count", c_uint32),
         ("reaction_count", c_uint32),
         ("state_count", c_uint32),
-        ("spare", c_uint32),
+        ("members", c_uint32),
         ("horizon_s", c_double),
         ("resolution_m", c_double),
         ("model_set", c_uint8 * 32),
-        ("room", c_uint64 * 2),
+        ("members_max", c_uint32),
+        ("spare", c_uint32),
+        ("room", c_uint64),
         ("parties", Party * 32),
         ("persons", Persons * 256),
         ("candidates", Candidate * 16),
@@ -106,6 +111,32 @@ class Contact(ctypes.Structure):
     ]
 
 
+class Met(ctypes.Structure):
+    _fields_ = [
+        ("party", c_uint32),
+        ("spare", c_uint32),
+        ("probability", c_double),
+        ("from_s", c_double),
+    ]
+
+
+class Expected(ctypes.Structure):
+    _fields_ = [
+        ("contact", c_double),
+        ("injured", c_double * 2),
+        ("error", c_double),
+        ("quantiles", c_double * 3),
+        ("best", c_double),
+        ("regret", c_double),
+        ("worlds", c_double),
+        ("open", c_uint32),
+        ("undecided", c_uint32),
+        ("met_count", c_uint32),
+        ("spare", c_uint32),
+        ("meets", Met * 8),
+    ]
+
+
 class Place(ctypes.Structure):
     _fields_ = [
         ("candidate", c_uint32),
@@ -121,6 +152,7 @@ class Place(ctypes.Structure):
         ("nearest_m", c_double),
         ("nearest_s", c_double),
         ("contacts", Contact * 4),
+        ("expected", Expected),
     ]
 
 
@@ -135,15 +167,22 @@ class Answer(ctypes.Structure):
         ("queued_ns", c_uint64),
         ("worked_ns", c_uint64),
         ("checksum", c_uint64),
-        ("spare", c_uint64),
+        ("flags", c_uint32),
+        ("members", c_uint32),
+        ("members_max", c_uint32),
+        ("replaced", c_uint32),
+        ("worlds", c_uint32),
+        ("spare", c_uint32),
+        ("lead", c_double),
+        ("lead_error", c_double),
         ("model_set", c_uint8 * 32),
         ("text", c_char * 160),
         ("places", Place * 16),
     ]
 
 
-assert ctypes.sizeof(Ask) == 590976 and ctypes.sizeof(Answer) == 5376
-assert Ask.states.offset == 17536 and Answer.places.offset == 256
+assert ctypes.sizeof(Ask) == 590976 and ctypes.sizeof(Answer) == 10016
+assert Ask.states.offset == 17536 and Answer.places.offset == 288
 
 PLACE, ONWARD, STATES = 1, 2, 3
 VELOCITY = 1
@@ -184,7 +223,7 @@ def add_path(ask: Ask, kind: int, states: list, probability: float = 0.0) -> int
 
 
 def what_is_left() -> Ask:
-    ask = Ask(version=2, horizon_s=5.0, party_count=3, candidate_count=3, ego=0)
+    ask = Ask(version=3, horizon_s=5.0, party_count=3, candidate_count=3, ego=0)
     # Ids of config/deployments/minimal.toml: 1 a sedan, 2 a wall, 3 a pole.
     ask.parties[0].model = 1
     for number, model, place in [(1, 3, at(0.0, 20.0, 2.9, 0.0)), (2, 2, at(0.0, 25.0, 0.0, 90.0))]:

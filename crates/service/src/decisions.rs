@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
-//!                         [length 8] [its complement 8] [Ask] [Answer 5376] [hash 32]
+//!                         [length 8] [its complement 8] [Ask] [Answer 10016] [hash 32]
 //! signed:                 [the same 48] [length 8] [statement, signed]       then per decision
 //!                         [the same] [number 8] [time 8] [hash 32] [signature 64]
 //! decisions.head:         of signed ones: how many there are, and the hash of the last; signed
@@ -40,8 +40,8 @@ use std::path::{Path, PathBuf};
 /// Name of the file of a signed head, beside the decisions.
 pub const DECISION_HEAD: &str = "decisions.head";
 
-const MAGIC: [u8; 8] = *b"TROLDC2\n";
-const MAGIC_SIGNED: [u8; 8] = *b"TROLDS2\n";
+const MAGIC: [u8; 8] = *b"TROLDC3\n";
+const MAGIC_SIGNED: [u8; 8] = *b"TROLDS3\n";
 /// Magic, number of the file, hash before it.
 const START: usize = 8 + 8 + 32;
 /// Length of the request, and its complement.
