@@ -88,8 +88,9 @@ fn the_service_ranks_as_rank_does_in_every_bit_with_workers_and_without() {
 #[test]
 fn expected_harm_is_that_of_rank_in_every_bit_with_workers_and_without() {
     let place = Place::new();
-    let stated = place.write("ways.toml", &ways(600));
-    let drawn = place.write("members.toml", &with_members(&ways(600), 2, 4));
+    let stated = shipped("config/scenarios/wall-or-pole.toml");
+    let text_of = std::fs::read_to_string(&stated).unwrap();
+    let drawn = place.write("members.toml", &with_members(&text_of, 8, 16));
     let rank = |scenario: &std::path::Path, more: &[&str]| {
         expected_harm(&run(&[&["rank", scenario.to_str().unwrap(), "--json"], more].concat()))
     };
@@ -100,7 +101,7 @@ fn expected_harm_is_that_of_rank_in_every_bit_with_workers_and_without() {
     let usual = rank(&stated, &three);
     assert_ne!(of_errors, usual, "errors that are stated count");
     let table = text(&run(&["rank", drawn.to_str().unwrap()]).stdout);
-    let file = deployment(&place, 2, &of_ways(600));
+    let file = deployment(&place, 2, &[("sedan", 20_000, 0), ("pole", 2000, 0), ("wall", 2000, 0)]);
     let text_of = std::fs::read_to_string(&file).unwrap();
     for extra in [&[][..], &["--in-process"]] {
         let serving = serve(&file, extra);
@@ -113,7 +114,7 @@ fn expected_harm_is_that_of_rank_in_every_bit_with_workers_and_without() {
         let people = text(&serving.query(&drawn, &[]).stdout);
         let mut rows = table.lines().skip_while(|line| !line.starts_with('#'));
         let rows: Vec<&str> = rows.by_ref().take_while(|line| !line.is_empty()).collect();
-        assert!(rows.len() >= 7 && people.starts_with(&rows.join("\n")), "{people} {table}");
+        assert!(rows.len() >= 4 && people.starts_with(&rows.join("\n")), "{people} {table}");
         for words in ["Harm is the mean over", "give or take", "Of 200 worlds"] {
             assert!(people.contains(words), "{words}: {people}");
         }
@@ -164,9 +165,8 @@ fn what_is_late_is_the_stage_before_and_says_so() {
     let place = Place::new();
     let serving = serve(&deployment(&place, 1, WALL), &["--in-process"]);
     let mut client = connect(&serving.instance);
-    let begun = std::time::Instant::now();
     let complete = client.ask(&close_call(4, 64), PATIENCE);
-    let took = begun.elapsed();
+    let took = Duration::from_nanos(complete.worked_ns);
     assert_eq!((complete.verdict(), complete.members), (WireState::Complete, 16));
     let (mean, error) = complete.lead().unwrap();
     assert!(mean > error && complete.worlds == 200 && !complete.is_late());
@@ -580,7 +580,7 @@ fn a_request_takes_as_much_from_the_heap_as_those_before() {
     let mut client = connect(&serving.instance);
     let mut taken = Vec::new();
     // In turns the scene as stated, and members.
-    for round in 1..=6 {
+    for round in 1..=4 {
         let mut ask = into_a_wall();
         ask.set_members(if round % 2 == 0 { 2 } else { 1 }, 0);
         for _ in 0..REQUESTS {

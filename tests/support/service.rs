@@ -142,19 +142,24 @@ pub(crate) fn of_ways(triangles: u32) -> Vec<(&'static str, u32, u32)> {
     scenario.parties.iter().map(body).collect()
 }
 
-/// A scenario over members, in which some parties are known better or worse than usual.
+/// `wall-or-pole.toml` over members, with parties that are known better or worse than usual.
 pub(crate) fn with_members(scenario: &str, members: u32, members_max: u32) -> String {
     let head = "schema = \"trolley.scenario/2\"\n";
     let counts = format!("{head}members = {members}\nmembers_max = {members_max}\n");
-    let ego = "[parties.ego]\nerrors = { lateral_m = 0.1, longitudinal_m = 0.5, correlation = 0.6, \
-               yaw_deg = 1, speed_share = 0.08 }\n";
-    let pole = "[parties.pole]\nerrors = { lateral_m = 0.3, longitudinal_m = 0 }\n";
-    assert!(scenario.contains(head) && scenario.contains("[parties.pole]\n"));
-    scenario.replacen(head, &counts, 1).replacen("[parties.ego]\n", ego, 1).replacen(
-        "[parties.pole]\n",
-        pole,
-        1,
-    )
+    let own = "{ lateral_m = 0.1, longitudinal_m = 0.5, correlation = 0.6, yaw_deg = 1, \
+               speed_share = 0.08 }";
+    let changes = [
+        (head, counts),
+        ("ego = { ", format!("ego = {{ errors = {own}, ")),
+        (
+            "[parties.pole]\n",
+            "[parties.pole]\nerrors = { lateral_m = 0.3, longitudinal_m = 0 }\n".to_owned(),
+        ),
+    ];
+    changes.iter().fold(scenario.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    })
 }
 
 /// What an answer over members says, in every bit: of `trolley rank --json` as of `query --json`.
