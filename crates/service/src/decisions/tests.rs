@@ -50,6 +50,28 @@ fn decisions_rotate_follow_on_each_other_and_are_found_changed() {
     assert!(matches!(read_decisions(&path), Err(DecisionError::Foreign)));
 }
 
+/// Its requests and answers have other lengths: a chain that went on from it could not be checked.
+#[test]
+fn decisions_of_another_version_are_refused_and_not_continued() {
+    let place = tempfile::tempdir().unwrap();
+    let is_other = |error: DecisionError| matches!(error, DecisionError::OtherVersion { .. });
+    for (folder, key, magic) in [("a", None, b"TROLDC2\n"), ("b", Some(signer(1)), b"TROLDS2\n")] {
+        let folder = place.path().join(folder);
+        let mut book = Book::open(&settings(&folder), key.clone()).unwrap();
+        book.add(ask(1).used(), &answer(1)).unwrap();
+        book.mark(true).unwrap();
+        drop(book);
+        let path = name(&folder, 0);
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[..8].copy_from_slice(magic);
+        fs::write(&path, bytes).unwrap();
+        assert!(is_other(read_decisions(&path).unwrap_err()));
+        assert!(is_other(verify_decisions(&folder, None, None).unwrap_err()));
+        assert!(is_other(Book::open(&settings(&folder), key).unwrap_err()));
+        assert_eq!(numbers(&folder).unwrap(), [0]);
+    }
+}
+
 fn signer(seed: u8) -> DecisionSigner {
     let provenance =
         Provenance { written_ns: 0, host: "h".into(), deployment: None, build: "b".into() };
