@@ -85,7 +85,7 @@ pub enum DecisionError {
         path: PathBuf,
     },
     /// Another version of this program wrote it.
-    #[error("{}: decisions of another version, whose requests and answers are others", path.display())]
+    #[error("{}: decisions of another version of the layout", path.display())]
     OtherVersion {
         /// The file.
         path: PathBuf,
