@@ -4,22 +4,54 @@
 //! A client whose tools are missing is skipped, with a visible message.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::service::{ranked, serve, shipped};
+use crate::support::service::{serve, shipped};
 use crate::support::{self, Place, run, skipped, text, trolley};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Names and work of a ranking that an example printed: "1 wall, frontal 0.1 0.2".
-fn printed(output: &Output) -> Vec<(String, [u64; 2])> {
+/// What an example printed: "1 wall, frontal: 0.1 0.2" for each candidate, with members what they
+/// say after that, and "8 members: 0.1 0.2", the lead. Each with the bits of its figures.
+fn printed(output: &Output) -> Vec<(String, Vec<u64>)> {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let row = |line: &str| {
-        let mut words = line.rsplitn(3, ' ');
-        let mut number = || words.next()?.parse::<f64>().ok();
-        let (hi, lo) = (number().unwrap(), number().unwrap());
-        let name = words.next().unwrap().split_once(' ').unwrap().1;
-        (name.to_owned(), [lo.to_bits(), hi.to_bits()])
+        let (name, figures) = line.split_once(": ").unwrap();
+        let bits = |figure: &str| figure.parse::<f64>().unwrap().to_bits();
+        (name.to_owned(), figures.split(' ').map(bits).collect())
     };
     text(&output.stdout).lines().map(row).collect()
+}
+
+/// The same of `trolley rank --json`.
+fn of_rank(output: &Output) -> Vec<(String, Vec<u64>)> {
+    let document = support::json(output);
+    let answer = &document["answer"];
+    let bits = |value: &serde_json::Value| value.as_f64().unwrap().to_bits();
+    let row = |(number, row): (usize, &serde_json::Value)| {
+        let mut figures = vec![&row["work"][0], &row["work"][1]];
+        let of = &row["expected"];
+        let mut all: Vec<u64> = Vec::new();
+        if of.is_object() {
+            let spread = &of["spread"];
+            figures.extend([&of["contact"], &of["injured"][0], &of["injured"][1]]);
+            figures.push(&spread["error"]);
+            figures.extend(spread["quantiles"].as_array().unwrap());
+            figures.extend([&spread["best"], &spread["regret"], &of["worlds"]]);
+        }
+        all.extend(figures.into_iter().map(bits));
+        for met in of["meets"].as_array().into_iter().flatten() {
+            // The planners number the pole and the wall so.
+            let party = if met["party"] == "pole" { 1.0_f64 } else { 2.0 };
+            all.extend([party.to_bits(), bits(&met["probability"]), bits(&met["from_s"])]);
+        }
+        (format!("{} {}", number + 1, row["name"].as_str().unwrap()), all)
+    };
+    let rows = answer["ranking"].as_array().unwrap().iter().enumerate().map(row);
+    let members = &answer["members"];
+    let lead = members.is_object().then(|| {
+        let figures = [&members["lead"]["mean"], &members["lead"]["error"]].map(bits);
+        (format!("{} members", members["count"]), figures.to_vec())
+    });
+    rows.chain(lead).collect()
 }
 
 /// Builds a part of this workspace as the tests were built; returns the output folder.
@@ -45,19 +77,47 @@ fn has(program: &str) -> bool {
 
 #[test]
 fn all_clients_see_the_ranking_of_rank() {
-    let three = shipped("config/scenarios/wall-or-pole.toml");
-    let rank = run(&["rank", three.to_str().unwrap(), "--json"]);
-    let work = |(name, [lo, hi, _, _]): (String, [u64; 4])| (name, [lo, hi]);
-    let expected: Vec<_> = ranked(&rank).into_iter().map(work).collect();
+    let place = Place::new();
+    let shipped_text = std::fs::read_to_string(shipped("config/scenarios/wall-or-pole.toml"));
+    // What the planners state of the ego and the pole.
+    let known = shipped_text
+        .unwrap()
+        .replacen(
+            "ego = { generate = ",
+            "ego = { errors = { lateral_m = 0.1, longitudinal_m = 0.5, \
+                  correlation = 0.25, yaw_deg = 1.5, speed_share = 0.08 }, generate = ",
+            1,
+        )
+        .replacen(
+            "[parties.pole]\n",
+            "[parties.pole]\nerrors = { lateral_m = 0.4, longitudinal_m = 0.6, correlation = 0 }\n",
+            1,
+        );
+    assert_eq!(known.matches("errors = ").count(), 2);
+    let known = place.write("known.toml", &known);
+    let rank = |members: &str| {
+        let counts = ["--members", members, "--members-max", members];
+        of_rank(&run(&[&["rank", known.to_str().unwrap(), "--json"], &counts[..]].concat()))
+    };
+    let (stated, drawn) = (rank("1"), rank("8"));
+    assert_eq!((stated.len(), drawn.len()), (3, 4), "{drawn:?}");
+    assert!(drawn[1].1.len() >= 12 + 3, "{drawn:?}");
     let serving = serve(&shipped("config/deployments/minimal.toml"), &[]);
     let instance = serving.instance.clone();
+    let asks_alike = |client: &str, command: &dyn Fn() -> Command| {
+        let ask = |members: &str| printed(&command().args(["", members]).output().unwrap());
+        assert_eq!(ask("1"), stated, "{client}");
+        assert_eq!(ask("8"), drawn, "{client} over members");
+    };
 
     let folder = build(&["--example", "planner"]);
-    let rust = Command::new(folder.join("examples/planner")).args(["3", &instance]).output();
-    assert_eq!(printed(&rust.unwrap()), expected, "Rust");
+    asks_alike("Rust", &|| {
+        let mut planner = Command::new(folder.join("examples/planner"));
+        planner.args(["3", &instance]);
+        planner
+    });
 
     if has("g++") {
-        let place = Place::new();
         let planner = place.path().join("planner");
         let folder = build(&["--lib"]);
         let compiled = Command::new("g++")
@@ -71,9 +131,11 @@ fn all_clients_see_the_ranking_of_rank() {
             .output()
             .unwrap();
         assert!(compiled.status.success(), "{}", text(&compiled.stderr));
-        let mut asked = Command::new(&planner);
-        asked.arg(&instance).env("LD_LIBRARY_PATH", &folder);
-        assert_eq!(printed(&asked.output().unwrap()), expected, "C++");
+        asks_alike("C++", &|| {
+            let mut asked = Command::new(&planner);
+            asked.arg(&instance).env("LD_LIBRARY_PATH", &folder);
+            asked
+        });
         // Without a service it reports that, and does not crash.
         let nobody = Command::new(&planner)
             .arg("nobody-here")
@@ -88,12 +150,12 @@ fn all_clients_see_the_ranking_of_rank() {
 
     if has("python3") {
         let folder = build(&["--lib"]);
-        let asked = Command::new("python3")
-            .arg(shipped("tools/clients/planner.py"))
-            .arg(&instance)
-            .env("LD_LIBRARY_PATH", &folder)
-            .output();
-        assert_eq!(printed(&asked.unwrap()), expected, "Python");
+        asks_alike("Python", &|| {
+            let mut asked = Command::new("python3");
+            asked.arg(shipped("tools/clients/planner.py")).arg(&instance);
+            asked.env("LD_LIBRARY_PATH", &folder);
+            asked
+        });
     } else {
         skipped("the Python client: there is no python3");
     }

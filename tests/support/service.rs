@@ -142,6 +142,43 @@ pub(crate) fn of_ways(triangles: u32) -> Vec<(&'static str, u32, u32)> {
     scenario.parties.iter().map(body).collect()
 }
 
+/// `wall-or-pole.toml` over members, with parties that are known better or worse than usual.
+pub(crate) fn with_members(scenario: &str, members: u32, members_max: u32) -> String {
+    let head = "schema = \"trolley.scenario/2\"\n";
+    let counts = format!("{head}members = {members}\nmembers_max = {members_max}\n");
+    let own = "{ lateral_m = 0.1, longitudinal_m = 0.5, correlation = 0.6, yaw_deg = 1, \
+               speed_share = 0.08 }";
+    let changes = [
+        (head, counts),
+        ("ego = { ", format!("ego = {{ errors = {own}, ")),
+        (
+            "[parties.pole]\n",
+            "[parties.pole]\nerrors = { lateral_m = 0.3, longitudinal_m = 0 }\n".to_owned(),
+        ),
+    ];
+    changes.iter().fold(scenario.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    })
+}
+
+/// What an answer over members says, in every bit: of `trolley rank --json` as of `query --json`.
+pub(crate) fn expected_harm(output: &Output) -> String {
+    let document = super::json(output);
+    let answer = document.get("answer").unwrap_or(&document);
+    assert!(answer["members"].is_object(), "{}", text(&output.stderr));
+    let only = |value: &serde_json::Value, keys: &[&str]| {
+        keys.iter().map(|key| format!("\"{key}\": {} ", value[*key])).collect::<String>()
+    };
+    let row = |row: &serde_json::Value| {
+        let keys = ["contact", "meets", "injured", "open", "undecided", "spread", "worlds"];
+        only(row, &["name", "work", "range"]) + &only(&row["expected"], &keys) + "\n"
+    };
+    let rows: String = answer["ranking"].as_array().unwrap().iter().map(row).collect();
+    let all = ["count", "most", "replaced", "lead", "is_late"];
+    rows + &only(&answer["members"], &all)
+}
+
 /// The ranking of `trolley query --json`: names, work and range.
 pub(crate) fn ranking(output: &Output) -> Vec<(String, [u64; 4])> {
     rows(&super::json(output)["ranking"], output)

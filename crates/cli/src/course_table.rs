@@ -1,12 +1,10 @@
 //! The table of a ranking: whom each manoeuvre meets, when, in which order, what it
 //! does to whom, and what else has to be known.
 
-use crate::table::{circumstances, kept, lines, percent, plain};
+use crate::ranking_table::{self, StatedRow, share};
+use crate::table::{circumstances, kept, percent};
 use report::text::wrap;
-use trolley::{
-    Answer, AnswerState, ContactRow, CourseRow, ExpectedRow, MetRow, Note, Run, Severity, Spread,
-    WorldsRow,
-};
+use trolley::{Answer, AnswerState, ContactRow, CourseRow, Note, Run, Severity, WorldsRow};
 
 /// The ranking as text: a table between sentences, at most 100 columns wide.
 pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
@@ -20,87 +18,44 @@ pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
 
 /// The table of candidates in the scene as stated.
 fn stated(answer: &Answer) -> String {
-    let header = ["#", "candidate", "meets", "worst-off person", "harm %", "range %"];
-    let mut table = plain(&header);
-    for (at, row) in answer.ranking.iter().enumerate() {
-        table.add_row([
-            (at + 1).to_string(),
-            row.name.clone(),
-            meets(row),
-            worst_off(row),
-            harm(row),
-            range(row),
-        ]);
-    }
-    lines(table, &[0, 4])
-}
-
-fn range(row: &CourseRow) -> String {
-    format!("{}–{}", percent(row.range.low()), percent(row.range.high()))
+    ranking_table::stated(answer.ranking.iter().map(|row| {
+        let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
+        StatedRow {
+            name: &row.name,
+            meets: meets(row),
+            worst: worst.map(|who| (ranking_table::worst_off(&who.party, who.seat), who.work.hi())),
+            work: row.work.into(),
+            range: row.range.into(),
+        }
+    }))
 }
 
 /// The table of candidates over members.
 fn expected(answer: &Answer) -> String {
-    let header = ["#", "candidate", "meets", "harm %", "5–95 %", "range %", "best in", "worlds"];
-    let mut table = plain(&header);
-    for (at, row) in answer.ranking.iter().enumerate() {
-        let Some(of) = &row.expected else { continue };
-        let spread = |text: &dyn Fn(&Spread) -> String| of.spread.as_ref().map_or("–".into(), text);
-        let harm = match &of.spread {
-            Some(spread) if spread.error > 0.0 => {
-                format!("{} ± {}", harm(row), percent(spread.error))
-            }
-            _ => harm(row),
-        };
-        table.add_row([
-            (at + 1).to_string(),
-            row.name.clone(),
-            expected_meets(of),
-            harm,
-            spread(&|s| format!("{}–{}", percent(s.quantiles[0]), percent(s.quantiles[2]))),
-            range(row),
-            spread(&|s| share(s.best)),
-            of.worlds.map_or("–".into(), share),
-        ]);
-    }
-    lines(table, &[0, 6, 7])
-}
-
-/// A share of members: "25 %".
-fn share(of: f64) -> String {
-    format!("{:.0} %", 100.0 * of)
-}
-
-/// "pole 25 % from 1.32 s" for each party, one a line.
-fn expected_meets(expected: &ExpectedRow) -> String {
-    let met =
-        |met: &MetRow| format!("{} {} from {:.2} s", met.party, share(met.probability), met.from_s);
-    let mut lines: Vec<String> = expected.meets.iter().map(met).collect();
-    if expected.open > 0 {
-        lines.push(format!("not known in {} members", expected.open));
-    } else if lines.is_empty() {
-        lines.push("nobody".to_owned());
-    }
-    lines.join("\n")
+    let rows = answer.ranking.iter().filter_map(|row| row.expected.as_ref().map(|of| (row, of)));
+    ranking_table::expected(rows.map(|(row, of)| ranking_table::ExpectedRow {
+        name: &row.name,
+        meets:
+            of.meets.iter().map(|met| (met.party.as_str(), met.probability, met.from_s)).collect(),
+        more: 0,
+        open: of.open,
+        work: row.work.into(),
+        range: row.range.into(),
+        spread: of.spread.as_ref().map(|spread| ranking_table::Spread {
+            error: spread.error,
+            outer: [spread.quantiles[0], spread.quantiles[2]],
+            best: spread.best,
+        }),
+        worlds: of.worlds,
+    }))
 }
 
 /// What the numbers of the table are.
 fn members(answer: &Answer) -> Option<String> {
     let of = answer.members.as_ref()?;
-    let replaced = match of.replaced {
-        0 => String::new(),
-        1 => "; 1 draw overlapped at 0 s and was replaced".to_owned(),
-        count => format!("; {count} draws overlapped at 0 s and were replaced"),
-    };
-    let injured = answer.ranking.first().and_then(|row| row.expected.as_ref());
-    let injured = injured.filter(|of| of.spread.is_some()).map_or(String::new(), |of| {
-        format!("; with the first, {:.4} persons are expected to be injured", of.injured.hi())
-    });
-    Some(format!(
-        "Harm is the mean over {} members: draws of what is known only up to \
-         errors{injured}{replaced}.",
-        of.count
-    ))
+    let first = answer.ranking.first().and_then(|row| row.expected.as_ref());
+    let injured = first.filter(|of| of.spread.is_some()).map(|of| of.injured.hi());
+    Some(ranking_table::members(of.count, of.replaced, injured))
 }
 
 /// "1.62 s pedestrian, light" for each contact, one a line; or how near the ego comes to whom.
@@ -111,40 +66,17 @@ fn meets(row: &CourseRow) -> String {
     if let Some(from_s) = row.open_from_s {
         lines.push(format!("not known after {from_s:.2} s"));
     } else if lines.is_empty() {
-        lines.push(match &row.nearest {
-            Some(near) => {
-                format!("nobody; {} {:.2} m away at {:.2} s", near.party, near.gap_m, near.time_s)
-            }
-            None => "nobody".to_owned(),
-        });
+        let nearest = row.nearest.as_ref();
+        let nearest = nearest.map(|near| (near.party.as_str(), near.gap_m, near.time_s));
+        lines.push(ranking_table::nobody(nearest));
     }
     lines.join("\n")
 }
 
 fn contact(contact: &ContactRow) -> String {
-    let possible = if contact.is_certain { "" } else { ", possible" };
     let ego = contact.delta_v_m_s[0].work.hi();
     let kind = severity(contact.severity);
-    format!("{:.2} s {}, {kind} ({ego:.1} m/s){possible}", contact.time_s, contact.party)
-}
-
-fn worst_off(row: &CourseRow) -> String {
-    let worst = row.persons.iter().max_by(|a, b| a.work.hi().total_cmp(&b.work.hi()));
-    match worst {
-        Some(person) if person.work.hi() > 0.0 => {
-            let seat = person.seat.map(|seat| format!(" {}", seat.replace('-', " ")));
-            let (party, seat) = (&person.party, seat.unwrap_or_default());
-            format!("{party}{seat} {:.1} %", 100.0 * person.work.hi())
-        }
-        _ => "–".to_owned(),
-    }
-}
-
-fn harm(row: &CourseRow) -> String {
-    if row.work.is_settled() {
-        return percent(row.work.hi());
-    }
-    format!("{}–{}", percent(row.work.lo()), percent(row.work.hi()))
+    ranking_table::contact(contact.time_s, &contact.party, kind, ego, contact.is_certain)
 }
 
 fn verdict(answer: &Answer, run: &Run) -> String {
@@ -168,13 +100,8 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         Some(_) => String::new(),
         None => format!(" Least harm: {}.", first.name),
     };
-    lines.push(match free.as_slice() {
-        [] if answer.ranking.iter().any(CourseRow::hits_nobody) => {
-            format!("No way is free of contact from the start on.{least}")
-        }
-        [] => format!("Every way hits somebody, as far as is known.{least}"),
-        free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
-    });
+    let hits_nobody = answer.ranking.iter().any(CourseRow::hits_nobody);
+    lines.push(ranking_table::first(&free, hits_nobody, &least));
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
@@ -188,12 +115,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
     let tied = answer.tie_class.iter().filter(|name| **name != first.name);
     let tied: Vec<&str> = tied.map(String::as_str).collect();
-    if !tied.is_empty() {
-        lines.push(format!(
-            "Within the range of the model it is indistinguishable from: {}.",
-            tied.join(", ")
-        ));
-    }
+    lines.extend(ranking_table::tied(&tied));
     for other in &first.alternatives {
         lines.push(format!(
             "But if {} takes path {} (probability {:.2}), it is met after {:.2} s.",
@@ -217,15 +139,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
 /// How sure the first place is.
 fn lead(answer: &Answer) -> Option<String> {
     let lead = answer.members.as_ref()?.lead?;
-    let verdict = if lead.is_close() { "too close to call" } else { "more than chance" };
-    let percent = |value: f64| format!("{:.2} %", 100.0 * value);
-    (lead.error > 0.0).then(|| {
-        format!(
-            "The second is {} worse in the mean, give or take {}: {verdict}.",
-            percent(lead.mean),
-            percent(lead.error)
-        )
-    })
+    ranking_table::lead(lead.mean, lead.error)
 }
 
 /// In how many worlds the first wins, and what would have another one win.
@@ -238,11 +152,7 @@ fn worlds(answer: &Answer) -> Option<String> {
         [] => "nothing alone has another one win".to_owned(),
         some => format!("alone, another one wins by {}", some.join(", by ")),
     };
-    Some(format!(
-        "Of {count} worlds that the model allows it wins {}: draws of restitution, friction, \
-         masses and curves; {alone}.",
-        share(won)
-    ))
+    Some(ranking_table::worlds(*count, won, Some(&alone)))
 }
 
 /// What is ahead of the ego at the end of its way.

@@ -19,6 +19,7 @@ mod print;
 mod progress;
 mod query;
 mod rank;
+mod ranking_table;
 mod record;
 mod reference_args;
 mod report;

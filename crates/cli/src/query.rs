@@ -2,11 +2,15 @@
 
 use crate::answer_args::Assume;
 use crate::output::Output;
+use crate::print;
+use crate::ranking_table::{self, StatedRow};
 use crate::reference_args::ReferenceArgs;
-use crate::{print, table};
 use clap::Args;
-use client::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
+use client::public::{
+    Reason, WireAnswer, WireContact, WireExpected, WireMet, WirePersons, WirePlace, WireState, flag,
+};
 use client::{Client, Waiting};
+use report::text::wrap;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -52,6 +56,14 @@ pub(crate) struct QueryArgs {
     /// How long to wait for the answer (ms).
     #[arg(long, value_name = "MS", default_value_t = 1000.0)]
     deadline_ms: f64,
+    /// Follow the candidates in N draws of what is known only up to errors, and rank by expected
+    /// harm; 1: in the scene as stated alone [default: as the scenario says, else the deployment].
+    #[arg(long, value_name = "N")]
+    members: Option<i64>,
+    /// Draw N members at most, where the best two are too close to call with fewer [default: 128,
+    /// or `--members`].
+    #[arg(long, value_name = "N", requires = "members")]
+    members_max: Option<i64>,
     /// Treat parties of unknown kind as unoccupied and fixed to the ground.
     #[arg(long, value_name = "unknown=fixed")]
     assume: Option<Assume>,
@@ -72,6 +84,27 @@ struct Document<'a> {
     queued_us: f64,
     worked_us: f64,
     ranking: Vec<Row<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    members: Option<Members>,
+}
+
+/// The members that harm is the mean of, as `trolley rank` prints them.
+#[derive(Serialize)]
+struct Members {
+    count: u32,
+    most: u32,
+    replaced: u32,
+    lead: Option<Lead>,
+    is_late: bool,
+    /// How many worlds were drawn; `None`: none were.
+    worlds: Option<u32>,
+}
+
+/// By how much the best two differ.
+#[derive(Serialize)]
+struct Lead {
+    mean: f64,
+    error: f64,
 }
 
 /// One candidate of the ranking.
@@ -87,6 +120,38 @@ struct Row<'a> {
     contact_count: u32,
     contacts: Vec<Contact<'a>>,
     worst: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    expected: Option<Expected<'a>>,
+}
+
+/// What members say of a candidate, as `trolley rank` prints it.
+#[derive(Serialize)]
+struct Expected<'a> {
+    contact: f64,
+    meets: Vec<Met<'a>>,
+    met_count: u32,
+    injured: [f64; 2],
+    open: u32,
+    undecided: u32,
+    spread: Option<Spread>,
+    worlds: Option<f64>,
+}
+
+/// A party that a candidate meets in some members.
+#[derive(Serialize)]
+struct Met<'a> {
+    party: &'a str,
+    probability: f64,
+    from_s: f64,
+}
+
+/// How the leading measure is spread over members.
+#[derive(Serialize)]
+struct Spread {
+    error: f64,
+    quantiles: [f64; 3],
+    best: f64,
+    regret: f64,
 }
 
 /// One of the first contacts of a candidate.
@@ -105,7 +170,12 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     let named = Scenario::open_with(&options.scenario, references)?;
     let scenario = named.parsed();
     let unknown_is_fixed = options.assume == Some(Assume::UnknownFixed);
-    let ask = opened.ask(&named, unknown_is_fixed)?;
+    let mut ask = opened.ask(&named, unknown_is_fixed)?;
+    if let Some(count) = options.members {
+        // As for `rank`: with the same refusals.
+        let members = trolley::Limits::members_of(count, options.members_max)?;
+        ask.set_members(members.count, members.most);
+    }
     if !(options.deadline_ms > 0.0 && options.deadline_ms <= 3_600_000.0) {
         let fault = format!("--deadline-ms {}: out of range", options.deadline_ms);
         return Err(Failure::setting(fault).with_remedy("use up to 3600000 ms"));
@@ -174,8 +244,19 @@ fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Doc
             contact_count: place.contact_count,
             contacts: place.listed().iter().map(contact).collect(),
             worst: has(flag::PERSON).then_some(place.worst),
+            expected: place.expected().map(|of| expected(scenario, answer, place, of)),
         }
     };
+    let lead = answer.lead().map(|(mean, error)| Lead { mean, error });
+    let has_members = answer.ranking().iter().any(|place| place.expected().is_some());
+    let members = has_members.then(|| Members {
+        count: answer.members,
+        most: answer.members_max,
+        replaced: answer.replaced,
+        lead,
+        is_late: answer.is_late(),
+        worlds: has_worlds(answer).then_some(answer.worlds),
+    });
     Document {
         schema: "trolley.query/2",
         state: answer.verdict().name(),
@@ -185,6 +266,32 @@ fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Doc
         queued_us: answer.queued_ns as f64 / 1e3,
         worked_us: answer.worked_ns as f64 / 1e3,
         ranking: answer.ranking().iter().map(row).collect(),
+        members,
+    }
+}
+
+fn expected<'a>(
+    scenario: &'a scenario::Scenario,
+    answer: &WireAnswer,
+    place: &WirePlace,
+    of: &WireExpected,
+) -> Expected<'a> {
+    let met = |met: &WireMet| Met {
+        party: party(scenario, met.party),
+        probability: met.probability,
+        from_s: met.from_s,
+    };
+    let spread =
+        Spread { error: of.error, quantiles: of.quantiles, best: of.best, regret: of.regret };
+    Expected {
+        contact: of.contact,
+        meets: of.listed().iter().map(met).collect(),
+        met_count: of.met_count,
+        injured: of.injured,
+        open: of.open,
+        undecided: of.undecided,
+        spread: place.has_spread().then_some(spread),
+        worlds: has_worlds(answer).then_some(of.worlds),
     }
 }
 
@@ -192,8 +299,10 @@ fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Doc
 fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     let contact = |contact: &WireContact| {
         let kind = if contact.flags & flag::HEAVY == 0 { "light" } else { "heavy" };
-        let (time_s, party) = (contact.time_s, party(scenario, contact.party));
-        format!("{time_s:.2} s {party}, {kind} ({:.1} m/s)", contact.ego_delta_v_m_s[1])
+        let name = party(scenario, contact.party);
+        let is_certain = contact.flags & flag::TOUCHES != 0;
+        let ego_m_s = contact.ego_delta_v_m_s[1];
+        ranking_table::contact(contact.time_s, name, kind, ego_m_s, is_certain)
     };
     let mut lines: Vec<String> = place.listed().iter().map(contact).collect();
     let more = place.contact_count as usize - lines.len().min(place.contact_count as usize);
@@ -202,46 +311,104 @@ fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     }
     if place.flags & flag::OPEN != 0 {
         lines.push(format!("not known after {:.2} s", place.open_from_s));
+    } else if lines.is_empty() && place.flags & flag::TOUCHES_NOBODY == 0 {
+        lines.push("nobody after the start".to_owned());
     } else if lines.is_empty() {
-        let is_free = place.flags & flag::TOUCHES_NOBODY != 0;
-        lines.push(if is_free { "nobody" } else { "nobody after the start" }.to_owned());
+        let nearest = (party(scenario, place.nearest_party), place.nearest_m, place.nearest_s);
+        let is_known = place.flags & flag::NEAREST != 0;
+        lines.push(ranking_table::nobody(is_known.then_some(nearest)));
     }
     lines.join("\n")
 }
 
+/// The table of candidates in the scene as stated.
+fn stated(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
+    ranking_table::stated(answer.ranking().iter().map(|place| {
+        let who = || {
+            let seat = WirePersons::seat_name(place.worst_seat);
+            ranking_table::worst_off(party(scenario, place.worst_party), seat)
+        };
+        let is_known = place.flags & flag::PERSON != 0;
+        StatedRow {
+            name: name_of(scenario, place.candidate),
+            meets: meets(scenario, place),
+            worst: is_known.then(|| (who(), place.worst[1])),
+            work: place.work,
+            range: place.range,
+        }
+    }))
+}
+
+/// The table of candidates over members.
+fn over_members(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
+    let met = |met: &WireMet| (party(scenario, met.party), met.probability, met.from_s);
+    let rows = answer.ranking().iter().filter_map(|place| place.expected().map(|of| (place, of)));
+    ranking_table::expected(rows.map(|(place, of)| ranking_table::ExpectedRow {
+        name: name_of(scenario, place.candidate),
+        meets: of.listed().iter().map(met).collect(),
+        more: (of.met_count as usize).saturating_sub(of.listed().len()),
+        open: of.open,
+        work: place.work,
+        range: place.range,
+        spread: place.has_spread().then_some(ranking_table::Spread {
+            error: of.error,
+            outer: [of.quantiles[0], of.quantiles[2]],
+            best: of.best,
+        }),
+        worlds: has_worlds(answer).then_some(of.worlds),
+    }))
+}
+
 /// The ranking as text.
 fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
-    let mut table = table::plain(&["#", "candidate", "meets", "harm %", "range %"]);
-    for (number, place) in answer.ranking().iter().enumerate() {
-        table.add_row([
-            (number + 1).to_string(),
-            name_of(scenario, place.candidate).to_owned(),
-            meets(scenario, place),
-            table::percent(place.work[1]),
-            format!("{}–{}", table::percent(place.range[0]), table::percent(place.range[1])),
-        ]);
-    }
-    let free = |place: &&WirePlace| place.flags & flag::TOUCHES_NOBODY != 0;
+    let all = answer.ranking();
+    let has = |place: &WirePlace, bit: u32| place.flags & bit != 0;
     let name = |place: &WirePlace| name_of(scenario, place.candidate);
-    let free: Vec<&str> = answer.ranking().iter().filter(free).map(name).collect();
-    let best = answer.ranking().first().map_or("?", name);
-    let hits_nobody = |place: &WirePlace| place.contact_count == 0 && place.flags & flag::OPEN == 0;
-    let first = match free.as_slice() {
-        [] if answer.ranking().iter().any(hits_nobody) => {
-            format!("No way is free of contact from the start on. Least harm: {best}.")
-        }
-        [] => format!("Every way hits somebody, as far as is known. Least harm: {best}."),
-        free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
+    let with = |bit: u32| all.iter().filter(move |place| has(place, bit)).map(name);
+    let free: Vec<&str> = with(flag::TOUCHES_NOBODY).collect();
+    let best = all.first();
+    let best_name = best.map_or("?", name);
+    let over = best.and_then(|best| best.expected().map(|of| (best, of)));
+    let table = match over {
+        Some(_) => over_members(scenario, answer),
+        None => stated(scenario, answer),
     };
-    let mut text = format!(
-        "{}\n\n{first}\n{}: answered in {:.0} µs, after {:.0} µs of waiting.",
-        table::lines(table, &[0, 3]),
+    let mut lines = Vec::new();
+    let hits_nobody = all.iter().any(WirePlace::hits_nobody);
+    lines.push(ranking_table::first(&free, hits_nobody, &format!(" Least harm: {best_name}.")));
+    if !free.is_empty() && !free.contains(&best_name) {
+        lines.push(format!("First under the policy: {best_name}."));
+    }
+    lines.push(format!(
+        "{}: answered in {:.0} µs, after {:.0} µs of waiting.",
         answer.verdict().name().to_uppercase(),
         answer.worked_ns as f64 / 1e3,
         answer.queued_ns as f64 / 1e3,
-    );
-    if !answer.text().is_empty() {
-        text.push_str(&format!("\nNote: {}", answer.text()));
+    ));
+    if let Some((best, of)) = over {
+        let injured = best.has_spread().then_some(of.injured[1]);
+        lines.push(ranking_table::members(answer.members, answer.replaced, injured));
+        lines.extend(answer.lead().and_then(|(mean, error)| ranking_table::lead(mean, error)));
+        if has_worlds(answer) {
+            lines.push(ranking_table::worlds(answer.worlds, of.worlds, None));
+        }
     }
-    text
+    let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
+    lines.extend(ranking_table::tied(&others));
+    if answer.is_late() {
+        lines.push(format!(
+            "Not fully known: the best two are too close to call with {} members, and there was \
+             no time for more.",
+            answer.members
+        ));
+    }
+    if !answer.text().is_empty() {
+        lines.push(format!("Note: {}", answer.text()));
+    }
+    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
+    format!("{table}\n\n{}", wrapped.join("\n"))
+}
+
+fn has_worlds(answer: &WireAnswer) -> bool {
+    answer.flags & flag::WORLDS != 0
 }

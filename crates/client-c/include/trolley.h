@@ -18,7 +18,7 @@ extern "C" {
 #define TROLLEY_ASSERT(holds) _Static_assert(holds, #holds)
 #endif
 
-#define TROLLEY_VERSION 2u
+#define TROLLEY_VERSION 3u
 #define TROLLEY_CANDIDATES_MAX 16
 #define TROLLEY_PARTIES_MAX 32 /* the ego among them */
 #define TROLLEY_PERSONS_MAX 256
@@ -28,6 +28,7 @@ extern "C" {
 #define TROLLEY_STATES_MAX 7168
 #define TROLLEY_STATES_PER_PATH_MAX 64
 #define TROLLEY_CONTACTS_MAX 4 /* of a candidate, in an answer */
+#define TROLLEY_MET_MAX 8      /* parties that a candidate meets in some members, in an answer */
 
 /* trolley_answer.verdict */
 #define TROLLEY_COMPLETE 1u  /* all work is done */
@@ -63,6 +64,11 @@ extern "C" {
 #define TROLLEY_PARTY_MASS 2u
 #define TROLLEY_PARTY_UNKNOWN 4u
 #define TROLLEY_PARTY_CRUSH 8u
+#define TROLLEY_PARTY_LATERAL 16u /* this error and those below: without its flag the usual one */
+#define TROLLEY_PARTY_LONGITUDINAL 32u
+#define TROLLEY_PARTY_CORRELATION 64u
+#define TROLLEY_PARTY_YAW 128u
+#define TROLLEY_PARTY_SPEED 256u
 
 /* trolley_persons.seat */
 #define TROLLEY_ON_FOOT 0u /* or on some seat */
@@ -82,6 +88,11 @@ extern "C" {
 /* trolley_state.flags */
 #define TROLLEY_STATE_VELOCITY 1u
 
+/* trolley_answer.flags */
+#define TROLLEY_LATE 1u   /* more members were begun and not finished in time */
+#define TROLLEY_LEAD 2u   /* lead and lead_error count */
+#define TROLLEY_WORLDS 4u /* the shares of worlds count */
+
 /* trolley_place.flags */
 #define TROLLEY_TOUCHES_NOBODY 1u /* until the end of its way: proven */
 #define TROLLEY_CERTAIN 2u        /* it certainly comes before the next */
@@ -91,6 +102,9 @@ extern "C" {
 #define TROLLEY_NEAREST 32u       /* the figures of the nearest party count */
 #define TROLLEY_PERSON 64u        /* the worst-off person's figures count */
 #define TROLLEY_ALTERNATIVE 128u  /* on a predicted path that was not followed, it meets somebody */
+#define TROLLEY_MEMBERS 256u      /* members were followed: expected counts; work, range and worst are
+                                   * means over them, all else is of the scene as stated */
+#define TROLLEY_SPREAD 512u       /* nothing of any member is open: its spread counts */
 
 /* trolley_contact.flags */
 #define TROLLEY_HEAVY 1u        /* the ego runs out from there; otherwise it drives on */
@@ -142,9 +156,12 @@ typedef struct trolley_party {
   double responsibility;            /* 0 to 1 */
   double crush[2];                  /* stiffness A (N/m) and B (N/m^2) */
   double size_m[3];                 /* room: 0 */
-  double position_covariance_m2[4]; /* room: 0 */
-  double yaw_variance_deg2;         /* room: 0 */
-  double speed_variance;            /* room: 0 */
+  double lateral_m;                 /* standard deviations, each 0 without its flag: to its left, */
+  double longitudinal_m;            /* along its x axis, both 0 to 10 m; */
+  double correlation;               /* correlation of the two, -1 to 1; */
+  double yaw_deg;                   /* of its yaw, 0 to 90; */
+  double speed_share;               /* of the logarithm of a factor on its speed, 0 to 0.5 */
+  uint64_t room;                    /* 0 */
 } trolley_party;
 
 typedef struct trolley_persons {
@@ -167,11 +184,14 @@ typedef struct trolley_request {
   uint32_t path_count;
   uint32_t reaction_count;
   uint32_t state_count;
-  uint32_t spare;        /* 0 */
+  uint32_t members;      /* up to 1024; 1: the scene as stated; 0: as the service usually does */
   double horizon_s;      /* how far ahead to look, up to 30 */
   double resolution_m;   /* 0: 1 mm */
   uint8_t model_set[32]; /* of an earlier answer: refuse if the service has other bodies; or 0 */
-  uint64_t room[2];      /* 0 */
+  uint32_t members_max;  /* where the best two are too close to call; 0: 128, or members if more,
+                          * and with members 0 as the service usually does */
+  uint32_t spare;        /* 0 */
+  uint64_t room;         /* 0 */
   trolley_party parties[TROLLEY_PARTIES_MAX];
   trolley_persons persons[TROLLEY_PERSONS_MAX];
   trolley_candidate candidates[TROLLEY_CANDIDATES_MAX];
@@ -190,6 +210,30 @@ typedef struct trolley_contact {
   double other_delta_v_m_s[2];
 } trolley_contact;
 
+/* A party that a candidate meets in some members. */
+typedef struct trolley_met {
+  uint32_t party;
+  uint32_t spare;
+  double probability; /* the share of members; where some are open, the least share */
+  double from_s;      /* the earliest contact among them */
+} trolley_met;
+
+/* What members say of a candidate. What is not known is NaN. */
+typedef struct trolley_expected {
+  double contact;      /* share of members in which it meets anybody; of open ones the least */
+  double injured[2];   /* persons expected to be injured, as far as the work is done */
+  double error;        /* sampling error of the leading measure; with TROLLEY_SPREAD, as all below */
+  double quantiles[3]; /* what the measure is below in 5, 50 and 95 % of the members */
+  double best;         /* share of members in which it is best */
+  double regret;       /* how much more than the best of each member, in the mean */
+  double worlds;       /* share of worlds that it wins, with TROLLEY_WORLDS */
+  uint32_t open;       /* members that are not followed to their end */
+  uint32_t undecided;  /* members in which it is not decided who is inside of whom at the start */
+  uint32_t met_count;  /* all; the most probable eight are below */
+  uint32_t spare;
+  trolley_met meets[TROLLEY_MET_MAX]; /* the most probable first */
+} trolley_expected;
+
 /* One candidate of the ranking. */
 typedef struct trolley_place {
   uint32_t candidate; /* its number in the request */
@@ -205,6 +249,7 @@ typedef struct trolley_place {
   double nearest_m; /* in plan */
   double nearest_s;
   trolley_contact contacts[TROLLEY_CONTACTS_MAX]; /* in the order of time */
+  trolley_expected expected;                      /* with TROLLEY_MEMBERS */
 } trolley_place;
 
 typedef struct trolley_answer {
@@ -217,7 +262,14 @@ typedef struct trolley_answer {
   uint64_t queued_ns;
   uint64_t worked_ns;
   uint64_t checksum;
-  uint64_t spare;
+  uint32_t flags;
+  uint32_t members;     /* that harm is the mean of; 1: the scene as stated; 0 without a ranking */
+  uint32_t members_max; /* that there might have been */
+  uint32_t replaced;    /* draws in which the ego overlapped somebody */
+  uint32_t worlds;      /* that were drawn; 0 without TROLLEY_WORLDS */
+  uint32_t spare;
+  double lead;       /* of the second over the first, in the mean, with TROLLEY_LEAD; else NaN */
+  double lead_error; /* its sampling error */
   uint8_t model_set[32]; /* identity of the service's bodies */
   char text[160]; /* UTF-8, ended by zeros */
   trolley_place places[TROLLEY_CANDIDATES_MAX]; /* least harm first */
@@ -231,8 +283,13 @@ TROLLEY_ASSERT(sizeof(trolley_party) == 120);
 TROLLEY_ASSERT(sizeof(trolley_persons) == 16);
 TROLLEY_ASSERT(sizeof(trolley_request) == 590976);
 TROLLEY_ASSERT(offsetof(trolley_request, checksum) == 24);
+TROLLEY_ASSERT(offsetof(trolley_party, lateral_m) == 72);
+TROLLEY_ASSERT(offsetof(trolley_party, room) == 112);
+TROLLEY_ASSERT(offsetof(trolley_request, members) == 60);
 TROLLEY_ASSERT(offsetof(trolley_request, horizon_s) == 64);
 TROLLEY_ASSERT(offsetof(trolley_request, model_set) == 80);
+TROLLEY_ASSERT(offsetof(trolley_request, members_max) == 112);
+TROLLEY_ASSERT(offsetof(trolley_request, room) == 120);
 TROLLEY_ASSERT(offsetof(trolley_request, parties) == 128);
 TROLLEY_ASSERT(offsetof(trolley_request, persons) == 3968);
 TROLLEY_ASSERT(offsetof(trolley_request, candidates) == 8064);
@@ -240,13 +297,19 @@ TROLLEY_ASSERT(offsetof(trolley_request, reactions) == 8320);
 TROLLEY_ASSERT(offsetof(trolley_request, paths) == 9344);
 TROLLEY_ASSERT(offsetof(trolley_request, states) == 17536);
 TROLLEY_ASSERT(sizeof(trolley_contact) == 56);
-TROLLEY_ASSERT(sizeof(trolley_place) == 320);
+TROLLEY_ASSERT(sizeof(trolley_met) == 24);
+TROLLEY_ASSERT(sizeof(trolley_expected) == 288);
+TROLLEY_ASSERT(offsetof(trolley_expected, open) == 80);
+TROLLEY_ASSERT(offsetof(trolley_expected, meets) == 96);
+TROLLEY_ASSERT(sizeof(trolley_place) == 608);
 TROLLEY_ASSERT(offsetof(trolley_place, contacts) == 96);
-TROLLEY_ASSERT(sizeof(trolley_answer) == 5376);
+TROLLEY_ASSERT(offsetof(trolley_place, expected) == 320);
+TROLLEY_ASSERT(sizeof(trolley_answer) == 10016);
 TROLLEY_ASSERT(offsetof(trolley_answer, checksum) == 48);
-TROLLEY_ASSERT(offsetof(trolley_answer, model_set) == 64);
-TROLLEY_ASSERT(offsetof(trolley_answer, text) == 96);
-TROLLEY_ASSERT(offsetof(trolley_answer, places) == 256);
+TROLLEY_ASSERT(offsetof(trolley_answer, lead) == 80);
+TROLLEY_ASSERT(offsetof(trolley_answer, model_set) == 96);
+TROLLEY_ASSERT(offsetof(trolley_answer, text) == 128);
+TROLLEY_ASSERT(offsetof(trolley_answer, places) == 288);
 
 typedef struct trolley_client trolley_client;
 
@@ -267,6 +330,46 @@ static inline uint32_t trolley_add_path(trolley_request *request, uint32_t kind,
   request->path_count = number + 1;
   request->state_count = first + count;
   return number;
+}
+
+/* Asks for expected harm over so many members, and at most so many; 0: see trolley_request. */
+static inline void trolley_set_members(trolley_request *request, uint32_t members,
+                                       uint32_t members_max) {
+  request->members = members;
+  request->members_max = members_max;
+}
+
+/* States how well a place is known, with standard deviations to the left and along (m), and their
+ * correlation. Without it the usual errors apply: 0.2 m, 0.3 m, 0. */
+static inline void trolley_set_place_errors(trolley_party *party, double lateral_m,
+                                            double longitudinal_m, double correlation) {
+  party->lateral_m = lateral_m;
+  party->longitudinal_m = longitudinal_m;
+  party->correlation = correlation;
+  party->flags |= TROLLEY_PARTY_LATERAL | TROLLEY_PARTY_LONGITUDINAL | TROLLEY_PARTY_CORRELATION;
+}
+
+/* States how well a yaw is known (degrees). Without it the usual error applies: 2. */
+static inline void trolley_set_yaw_error(trolley_party *party, double yaw_deg) {
+  party->yaw_deg = yaw_deg;
+  party->flags |= TROLLEY_PARTY_YAW;
+}
+
+/* States how well a speed is known, as a share of it. Without it the usual error applies: 0.1, and
+ * of the ego 0.05. */
+static inline void trolley_set_speed_error(trolley_party *party, double speed_share) {
+  party->speed_share = speed_share;
+  party->flags |= TROLLEY_PARTY_SPEED;
+}
+
+/* What members say of a candidate; NULL: none were drawn. */
+static inline const trolley_expected *trolley_expected_of(const trolley_place *place) {
+  return (place->flags & TROLLEY_MEMBERS) != 0 ? &place->expected : NULL;
+}
+
+/* How many parties of expected.meets are filled in. */
+static inline uint32_t trolley_met_listed(const trolley_expected *expected) {
+  return expected->met_count < TROLLEY_MET_MAX ? expected->met_count : TROLLEY_MET_MAX;
 }
 
 /* Sends a request, and waits at most patience_ns for the answer. There is always an answer: if the

@@ -22,6 +22,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A planner that knows how well it knows things states that, and asks for expected harm:
+//!
+//! ```
+//! use trolley_client::public::{Ask, PartyErrors, WireAnswer, WireParty};
+//!
+//! let known = PartyErrors { lateral_m: Some(0.3), yaw_deg: Some(1.0), ..PartyErrors::default() };
+//! let party = WireParty::of_model(2).with_errors(&known); // all others are the usual ones
+//! let mut ask = Ask::new(5.0);
+//! ask.set_members(32, 128);
+//!
+//! fn show(answer: &WireAnswer) {
+//!     for place in answer.ranking() {
+//!         let Some(of) = place.expected() else { continue }; // nothing was drawn
+//!         println!("{} {:?} ± {}, best in {}", place.candidate, place.work, of.error, of.best);
+//!     }
+//!     println!("lead and its error: {:?}, late: {}", answer.lead(), answer.is_late());
+//! }
+//! # assert_eq!((party.errors(), ask.members), (known, 32));
+//! ```
+//!
 //! # Invariants
 //!
 //! - [`Client::ask`] returns by its deadline, whatever happens to the service: a missing answer is

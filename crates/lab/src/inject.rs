@@ -77,7 +77,7 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         models: &models,
         shells: &shells,
         criteria: scenario.criteria().clone(),
-        members: scenario.parsed().members,
+        members: scenario.parsed().members(),
         history: false,
         explanation: false,
         scene: false,

@@ -135,7 +135,8 @@ impl Latency {
 }
 
 /// Whether an answer agrees with the complete one: in every bit if it is complete itself; otherwise
-/// its intervals hold the known values, and its certain winner wins.
+/// its intervals hold the known values, and its certain winner wins. Means over fewer members are
+/// others: their intervals say nothing of it.
 fn is_right(answer: &WireAnswer, complete: &WireAnswer) -> bool {
     let is_whole = answer.place_count == complete.place_count;
     let places = &answer.places[..(answer.place_count as usize).min(answer.places.len())];
@@ -151,7 +152,10 @@ fn is_right(answer: &WireAnswer, complete: &WireAnswer) -> bool {
             let wins = answer.places[0].candidate == complete.places[0].candidate;
             wins && is_whole && places.iter().all(holds)
         }
-        WireState::Degraded => is_whole && places.iter().all(holds),
+        WireState::Degraded => {
+            let is_same_mean = answer.members == complete.members;
+            is_whole && (!is_same_mean || places.iter().all(holds))
+        }
         _ => true,
     }
 }

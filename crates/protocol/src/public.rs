@@ -3,23 +3,26 @@
 //!
 //! | struct | bytes | service | who writes |
 //! |---|--:|---|---|
-//! | [`Ask`] | 590,976 | `trolley/rank/v2`, request | a client |
-//! | [`WireAnswer`] | 5,376 | `trolley/rank/v2`, response; `trolley/ranking/v2` | the service |
-//! | [`Health`] | 840 | `trolley/health/v2` | the service |
+//! | [`Ask`] | 590,976 | `trolley/rank/v3`, request | a client |
+//! | [`WireAnswer`] | 10,016 | `trolley/rank/v3`, response; `trolley/ranking/v3` | the service |
+//! | [`Health`] | 840 | `trolley/health/v3` | the service |
 //!
 //! Numbers are little-endian as on the machine, lengths in metres, angles in degrees, speeds in
 //! m/s, times of requests in seconds from now, others in nanoseconds on CLOCK_MONOTONIC. No byte is
 //! padding, every bit pattern is a value; values are validated where they are used. A changed
-//! layout gets a new name: `v3`.
+//! layout gets a new name: `v4`.
 //!
 //! The states of all paths stand at the end of an [`Ask`], so only [`Ask::used_bytes`] of it
 //! travel. From end to end request and answer carry a CRC-64/NVME over all bytes that count: where
 //! one was changed on the way, a request is refused ([`Reason::Corrupt`]) and an answer is not
 //! believed.
 
-pub use answer::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
+pub use answer::{
+    Reason, WireAnswer, WireContact, WireExpected, WireMet, WirePlace, WireState, flag,
+};
 pub use ask::{
-    Ask, WireCandidate, WireParty, WirePath, WirePathKind, WirePathState, WirePersons, WireReaction,
+    Ask, PartyErrors, WireCandidate, WireParty, WirePath, WirePathKind, WirePathState, WirePersons,
+    WireReaction,
 };
 pub use health::{Condition, Health, LatencyStage, WorkerHealth};
 
@@ -28,7 +31,7 @@ mod ask;
 mod health;
 
 /// Version of these layouts: the first word of each.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Maximum number of candidates in a request.
 pub const CANDIDATES_MAX: usize = 16;
 /// Maximum number of parties in a request, the ego among them.
@@ -51,13 +54,13 @@ pub const STATES_MAX: usize = 7168;
 pub const CLIENTS_MAX: usize = 16;
 
 /// The request–response service.
-pub const RANK: &str = "trolley/rank/v2";
+pub const RANK: &str = "trolley/rank/v3";
 /// The event service that a client notifies after sending, to wake a sleeping service.
-pub const WAKE: &str = "trolley/wake/v2";
+pub const WAKE: &str = "trolley/wake/v3";
 /// Every answer, for any listener.
-pub const RANKING: &str = "trolley/ranking/v2";
+pub const RANKING: &str = "trolley/ranking/v3";
 /// The state of the service, for any listener.
-pub const HEALTH: &str = "trolley/health/v2";
+pub const HEALTH: &str = "trolley/health/v3";
 
 /// Identity of the bodies of a service: a hash of their ids, kinds, masses, persons and triangles.
 pub type ModelSet = [u8; 32];

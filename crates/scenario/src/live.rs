@@ -6,6 +6,7 @@
 use crate::document::TextPosition;
 use crate::error::Misfit;
 use crate::limit;
+use crate::members::{Errors, Members};
 use crate::rules;
 use crate::scenario::path::{self, RowFault};
 use crate::scenario::{GivenMotion, GivenState, Motion, OccupantGroup};
@@ -163,6 +164,62 @@ pub fn mass_kg(value: f64) -> Result<f64, Misfit> {
     limit::MASS_KG.check("mass_kg", value)
 }
 
+/// How many members there are, and at most; 0 of both: as many as `usual`. 0 as the most alone: as
+/// a scenario that says nothing.
+///
+/// # Errors
+///
+/// As [`Members::new`].
+pub fn members(count: u32, most: u32, usual: Members) -> Result<Members, Misfit> {
+    let written = |number: u32| (number != 0).then_some(i64::from(number));
+    match (written(count), written(most)) {
+        (None, None) => Ok(usual),
+        (count, most) => Members::new(count.unwrap_or_else(|| usual.count.into()), most),
+    }
+}
+
+/// Errors of a party as far as they are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GivenErrors {
+    /// As [`Errors::lateral_m`].
+    pub lateral_m: Option<f64>,
+    /// As [`Errors::longitudinal_m`].
+    pub longitudinal_m: Option<f64>,
+    /// As [`Errors::correlation`].
+    pub correlation: Option<f64>,
+    /// As [`Errors::yaw_deg`].
+    pub yaw_deg: Option<f64>,
+    /// As [`Errors::speed_share`].
+    pub speed_share: Option<f64>,
+}
+
+/// How well a party is known: what is given, else as [usual](Errors::usual).
+///
+/// # Errors
+///
+/// If a standard deviation is not within 0 to 10 m, 90° or half of the speed, or the correlation
+/// not within -1 to 1.
+pub fn errors(given: &GivenErrors, is_ego: bool) -> Result<Errors, Misfit> {
+    let usual = Errors::usual(is_ego);
+    let number = |setting, limit: limit::Limit<f64>, given: Option<f64>, usual: f64| {
+        given.map_or(Ok(usual), |value| Ok(limit.check(setting, value)? + 0.0))
+    };
+    let GivenErrors { lateral_m, longitudinal_m, correlation, yaw_deg, speed_share } = *given;
+    let speed = limit::ERROR_SPEED_SHARE;
+    Ok(Errors {
+        lateral_m: number("lateral_m", limit::ERROR_M, lateral_m, usual.lateral_m)?,
+        longitudinal_m: number(
+            "longitudinal_m",
+            limit::ERROR_M,
+            longitudinal_m,
+            usual.longitudinal_m,
+        )?,
+        correlation: number("correlation", limit::CORRELATION, correlation, usual.correlation)?,
+        yaw_deg: number("yaw_deg", limit::ERROR_YAW_DEG, yaw_deg, usual.yaw_deg)?,
+        speed_share: number("speed_share", speed, speed_share, usual.speed_share)?,
+    })
+}
+
 /// Stiffness A (N/m) and B (N/m²).
 ///
 /// # Errors
@@ -211,5 +268,35 @@ mod tests {
         }
         assert!(share("probability", 1.5).is_err() && share("probability", f64::NAN).is_err());
         assert!(mass_kg(0.0).is_err() && crush([-1.0, 1e6]).is_err());
+    }
+
+    #[test]
+    fn errors_and_members_are_those_of_a_scenario_that_says_the_same() {
+        let text = CROSSING.replacen(
+            "[parties.ego]",
+            "[parties.ego]\nerrors = { lateral_m = 0.5, correlation = -0.0, speed_share = 0.5 }",
+            1,
+        );
+        let scenario = Scenario::parse("crossing.toml", &text).unwrap();
+        let given = GivenErrors {
+            lateral_m: Some(0.5),
+            correlation: Some(-0.0),
+            speed_share: Some(0.5),
+            ..GivenErrors::default()
+        };
+        let ego = &scenario.parties[scenario.ego.0];
+        assert_eq!(errors(&given, true).as_ref(), Ok(&ego.errors));
+        assert_eq!(errors(&GivenErrors::default(), false), Ok(Errors::usual(false)));
+        let usual = Members { count: 8, most: 16 };
+        let sound = |count, most| members(count, most, usual).map(|of| (of.count, of.most)).ok();
+        assert_eq!(sound(0, 0), Some((8, 16)));
+        assert_eq!(sound(0, 32), Some((8, 32)));
+        assert_eq!(sound(32, 0), Some((32, 128)));
+        assert_eq!(sound(1, 0), Some((1, 1)));
+        for (count, most) in [(0, 4), (1025, 0), (1, 2), (2, 1025), (u32::MAX, 0), (4, 2)] {
+            assert_eq!(sound(count, most), None, "{count} {most}");
+        }
+        let nominal = members(0, 2, Members::NOMINAL).unwrap_err();
+        assert_eq!(nominal.setting, "members_max");
     }
 }

@@ -118,8 +118,9 @@ pub struct Scenario {
     /// Within this distance (m), from 1e-5 to 0.1, contact that cannot be decided is possible and
     /// counts as contact.
     pub resolution_m: f64,
-    /// How many members are followed.
-    pub members: Members,
+    /// How many members are followed; `None`: nothing is said, so the scene as stated alone, or in
+    /// a service as many as it usually does.
+    pub members: Option<Members>,
     /// All bodies, sorted by name; 2 to 33.
     pub parties: Vec<Party>,
     /// The manoeuvres to choose from, in the file's order; 1 to 16, names unique.
@@ -262,6 +263,12 @@ pub struct Reaction {
 }
 
 impl Scenario {
+    /// How many members are followed where nothing else is asked for.
+    #[must_use]
+    pub fn members(&self) -> Members {
+        self.members.unwrap_or(Members::NOMINAL)
+    }
+
     /// Reads a scenario that names no CSV file. `file` is its name in errors; nothing is opened.
     /// [`ScenarioDraft`] reads those that do.
     ///

@@ -2,10 +2,12 @@
 
 use crate::ask::seat_number;
 use body::Seat;
-use coordinator::{Answer, ContactRow, CourseRow};
+use coordinator::{Answer, ContactRow, CourseRow, ExpectedRow};
 use damage::AnswerState;
 use damage::course::Severity;
-use protocol::public::{Reason, WireAnswer, WireContact, WirePlace, WireState, flag};
+use protocol::public::{
+    Reason, WireAnswer, WireContact, WireExpected, WireMet, WirePlace, WireState, flag,
+};
 
 /// The verdict of a state.
 fn verdict(state: AnswerState) -> WireState {
@@ -35,9 +37,53 @@ pub(crate) fn lay_out(sequence: u64, answer: &Answer) -> WireAnswer {
         *place = place_of(row, answer);
         out.place_count += 1;
     }
+    write_members(&mut out, answer);
     let said = answer.missing.first().or_else(|| answer.assumptions.first());
     if let Some(said) = said {
         out.say(said);
+    }
+    out
+}
+
+/// What members and worlds say of the answer as a whole.
+fn write_members(out: &mut WireAnswer, answer: &Answer) {
+    (out.members, out.members_max) = (1, 1);
+    let mut set = |bit: u32, is_set: bool| out.flags |= if is_set { bit } else { 0 };
+    if let Some(members) = &answer.members {
+        set(flag::LATE, members.is_late);
+        set(flag::LEAD, members.lead.is_some());
+        set(flag::WORLDS, answer.worlds.is_some());
+        (out.members, out.members_max) = (members.count, members.most);
+        out.replaced = members.replaced;
+        if let Some(lead) = members.lead {
+            (out.lead, out.lead_error) = (lead.mean, lead.error);
+        }
+        out.worlds = answer.worlds.as_ref().map_or(0, |worlds| worlds.count);
+    }
+}
+
+/// What members say of a candidate.
+fn expected_of(row: &ExpectedRow) -> WireExpected {
+    let mut out = WireExpected {
+        contact: row.contact,
+        injured: row.injured.into(),
+        worlds: row.worlds.unwrap_or(f64::NAN),
+        open: row.open,
+        undecided: row.undecided,
+        met_count: row.meets.len() as u32,
+        ..WireExpected::UNKNOWN
+    };
+    if let Some(spread) = &row.spread {
+        (out.error, out.quantiles) = (spread.error, spread.quantiles);
+        (out.best, out.regret) = (spread.best, spread.regret);
+    }
+    for (met, row) in out.meets.iter_mut().zip(&row.meets) {
+        *met = WireMet {
+            party: number(&row.party),
+            probability: row.probability,
+            from_s: row.from_s,
+            ..WireMet::default()
+        };
     }
     out
 }
@@ -63,6 +109,11 @@ fn place_of(row: &CourseRow, answer: &Answer) -> WirePlace {
     set(flag::NEAREST, row.nearest.is_some());
     set(flag::PERSON, !row.persons.is_empty());
     set(flag::ALTERNATIVE, !row.alternatives.is_empty());
+    set(flag::MEMBERS, row.expected.is_some());
+    set(flag::SPREAD, row.expected.as_ref().is_some_and(|of| of.spread.is_some()));
+    if let Some(expected) = &row.expected {
+        place.expected = expected_of(expected);
+    }
     place.open_from_s = row.open_from_s.unwrap_or(0.0);
     if let Some(nearest) = &row.nearest {
         place.nearest_party = number(&nearest.party);

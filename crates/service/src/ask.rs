@@ -7,12 +7,12 @@ use crate::deployment::Deployment;
 use body::{BodyKind, BodyView, Meta, Seat};
 use protocol::public::{
     Ask, CANDIDATES_MAX, ModelSet, PARTIES_MAX, PATHS_MAX, PATHS_PER_PARTY_MAX, PERSONS_MAX,
-    REACTIONS_MAX, Reason, STATES_MAX, STATES_PER_PATH_MAX, VERSION, WireParty, WirePath,
-    WirePathKind, WirePathState,
+    PartyErrors, REACTIONS_MAX, Reason, STATES_MAX, STATES_PER_PATH_MAX, VERSION, WireParty,
+    WirePath, WirePathKind, WirePathState,
 };
 use scenario::{
-    Candidate, GivenMotion, GivenState, Misfit, Motion, Occupancy, OccupantGroup, Party,
-    PartyIndex, Prediction, Reaction, Scenario, TextPosition, live,
+    Candidate, Errors, GivenMotion, GivenState, Misfit, Motion, Occupancy, OccupantGroup, Party,
+    PartyIndex, Prediction, Reaction, Scenario, TextPosition, live, live::GivenErrors,
 };
 use smol_str::format_smolstr;
 
@@ -70,6 +70,8 @@ pub(crate) fn check(
         let text = "the service has other bodies than the request was made for";
         return refuse(Reason::OtherModels, text);
     }
+    let members = live::members(ask.members, ask.members_max, deployment.members);
+    let members = members.map_err(Whose::Request.beyond())?;
     let horizon_s = live::horizon_s(ask.horizon_s).map_err(Whose::Request.beyond())?;
     let resolution_m = live::resolution_m(ask.resolution_m).map_err(Whose::Request.beyond())?;
     let request = Request { ask, horizon_s };
@@ -93,7 +95,7 @@ pub(crate) fn check(
         ego: PartyIndex(ask.ego as usize),
         horizon_s,
         resolution_m,
-        members: scenario::Members::NOMINAL,
+        members: Some(members),
         parties,
         candidates: request.candidates()?,
     };
@@ -193,7 +195,7 @@ fn counts(ask: &Ask) -> Result<(), Refusal> {
     if ask.flags & !Ask::UNKNOWN_IS_FIXED != 0 {
         return malformed(format!("unknown flags {:#x}", ask.flags));
     }
-    if ask.spare != 0 || ask.room != [0; 2] {
+    if ask.spare != 0 || ask.room != 0 {
         return malformed("what is spare is not 0".to_owned());
     }
     let mut all = 0;
@@ -224,25 +226,23 @@ struct Request<'a> {
 
 impl Request<'_> {
     fn party(&self, number: usize, party: &WireParty, kind: BodyKind) -> Result<Party, Refusal> {
-        const KNOWN: u32 =
-            WireParty::PERSONS | WireParty::MASS | WireParty::UNKNOWN | WireParty::CRUSH;
+        const KNOWN: u32 = WireParty::PERSONS
+            | WireParty::MASS
+            | WireParty::UNKNOWN
+            | WireParty::CRUSH
+            | WireParty::ERRORS;
         let beyond = Whose::Party(number).beyond();
         if party.flags & !KNOWN != 0 {
             let text = format!("party {number}: unknown flags {:#x}", party.flags);
             return refuse(Reason::Malformed, text);
         }
-        let room = [party.yaw_variance_deg2, party.speed_variance];
-        let mut room =
-            party.size_m.iter().chain(&party.position_covariance_m2).chain(&room).copied();
-        if room.any(|value| value != 0.0) {
-            let text = format!(
-                "party {number}: sizes and covariances are not used by this version: leave zeros"
-            );
+        if party.size_m.iter().any(|value| *value != 0.0) || party.room != 0 {
+            let text = format!("party {number}: sizes are not used by this version: leave zeros");
             return refuse(Reason::Malformed, text);
         }
         let has = |flag: u32| party.flags & flag != 0;
         let is_unknown = has(WireParty::UNKNOWN);
-        if is_unknown && party.flags != WireParty::UNKNOWN {
+        if is_unknown && party.flags & !WireParty::ERRORS != WireParty::UNKNOWN {
             let text = format!("party {number}: a party of unknown kind has a shape only");
             return refuse(Reason::Misfit, text);
         }
@@ -266,9 +266,29 @@ impl Request<'_> {
                 .then(|| live::crush(party.crush))
                 .transpose()
                 .map_err(&beyond)?,
-            errors: scenario::Errors::usual(false),
+            errors: self.errors(number, party)?,
             predictions: self.predictions(number, party)?,
         })
+    }
+
+    fn errors(&self, number: usize, party: &WireParty) -> Result<Errors, Refusal> {
+        // Who sets an error and forgets its flag would be ranked by the usual one.
+        for (setting, flag, value) in [
+            ("lateral_m", WireParty::LATERAL, party.lateral_m),
+            ("longitudinal_m", WireParty::LONGITUDINAL, party.longitudinal_m),
+            ("correlation", WireParty::CORRELATION, party.correlation),
+            ("yaw_deg", WireParty::YAW, party.yaw_deg),
+            ("speed_share", WireParty::SPEED, party.speed_share),
+        ] {
+            if party.flags & flag == 0 && value != 0.0 {
+                let text = format!("party {number}: {setting} is {value}, and its flag is not set");
+                return refuse(Reason::Malformed, text);
+            }
+        }
+        let PartyErrors { lateral_m, longitudinal_m, correlation, yaw_deg, speed_share } =
+            party.errors();
+        let given = GivenErrors { lateral_m, longitudinal_m, correlation, yaw_deg, speed_share };
+        live::errors(&given, number == self.ask.ego as usize).map_err(Whose::Party(number).beyond())
     }
 
     fn occupancy(

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! decisions-00000007.bin: [magic 8] [number of the file 8] [hash before 32]  then per decision
-//!                         [length 8] [its complement 8] [Ask] [Answer 5376] [hash 32]
+//!                         [length 8] [its complement 8] [Ask] [Answer 10016] [hash 32]
 //! signed:                 [the same 48] [length 8] [statement, signed]       then per decision
 //!                         [the same] [number 8] [time 8] [hash 32] [signature 64]
 //! decisions.head:         of signed ones: how many there are, and the hash of the last; signed
@@ -40,8 +40,10 @@ use std::path::{Path, PathBuf};
 /// Name of the file of a signed head, beside the decisions.
 pub const DECISION_HEAD: &str = "decisions.head";
 
-const MAGIC: [u8; 8] = *b"TROLDC2\n";
-const MAGIC_SIGNED: [u8; 8] = *b"TROLDS2\n";
+const MAGIC: [u8; 8] = *b"TROLDC3\n";
+const MAGIC_SIGNED: [u8; 8] = *b"TROLDS3\n";
+/// What files of any version begin with.
+const MAGIC_ANY: [&[u8]; 2] = [b"TROLDC", b"TROLDS"];
 /// Magic, number of the file, hash before it.
 const START: usize = 8 + 8 + 32;
 /// Length of the request, and its complement.
@@ -79,6 +81,12 @@ pub enum DecisionError {
     /// As [`DecisionError::Foreign`], of a folder.
     #[error("{}: this is not a file of decisions", path.display())]
     ForeignIn {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another version of this program wrote it.
+    #[error("{}: decisions of another version of the layout", path.display())]
+    OtherVersion {
         /// The file.
         path: PathBuf,
     },
@@ -139,6 +147,9 @@ impl Diagnostic for DecisionError {
             Self::Unwritten(error) => error.remedy(),
             Self::System(_) => Some("`decisions` needs a folder that may be written to".into()),
             Self::Foreign => Some("name a file that a service wrote".into()),
+            Self::OtherVersion { .. } => {
+                Some("keep decisions in a new folder; these are read by what wrote them".into())
+            }
             Self::Chain(error) => error.remedy(),
             _ => Some("compare with a copy kept elsewhere".into()),
         }
@@ -236,6 +247,9 @@ impl<'b> DecisionFile<'b> {
         if start[..8] == MAGIC {
             return Ok(Self { number, before, statement: None, body: rest });
         }
+        if is_of_other_version(&start[..8]) {
+            return Err(DecisionError::OtherVersion { path: name.into() });
+        }
         if start[..8] != MAGIC_SIGNED {
             return Err(DecisionError::Foreign);
         }
@@ -306,6 +320,12 @@ impl Entry<'_> {
             || self.signer.is_none_or(|key| key.has_signed(&[SIGNED, &hash].concat(), &signature));
         (hash == stated && is_signed()).then_some(hash)
     }
+}
+
+/// Whether a file that begins so was written by another version.
+fn is_of_other_version(magic: &[u8]) -> bool {
+    let is_known = magic == MAGIC || magic == MAGIC_SIGNED;
+    !is_known && MAGIC_ANY.iter().any(|any| magic.starts_with(any))
 }
 
 fn link(before: &[u8; 32], bytes: &[u8]) -> [u8; 32] {

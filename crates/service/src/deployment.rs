@@ -9,7 +9,7 @@ pub use group::ClientGroup;
 
 use body::Shape;
 use diagnostic::{Diagnostic, FailureKind};
-use scenario::{EngineSettings, Overrides};
+use scenario::{EngineSettings, Members, Overrides};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ pub const SCHEMA: &str = "trolley.deployment/1";
 pub const TEXT_BYTES_MAX: usize = 1 << 20;
 /// Maximum number of models in a deployment.
 const MODELS_MAX: usize = 64;
-/// Maximum number of decisions in a file: half of what is read.
+/// Maximum number of decisions in a file; it ends before if it is half as long as what is read.
 const PER_FILE_MAX: u32 = 100_000;
 /// Maximum number of waiting requests: one per client.
 const QUEUE_MAX: usize = protocol::public::CLIENTS_MAX;
@@ -45,6 +45,8 @@ pub struct Deployment {
     pub parameters: Option<PathBuf>,
     /// Workers, cores, depth, batches.
     pub engine: EngineSettings,
+    /// In how many members requests that do not say it are followed.
+    pub members: Members,
     /// Requests that may wait; more are answered *busy*.
     pub queue: usize,
     /// What the service does while it is idle.
@@ -214,6 +216,8 @@ struct Raw {
     policy: Option<PathBuf>,
     curves: Option<PathBuf>,
     parameters: Option<PathBuf>,
+    members: Option<i64>,
+    members_max: Option<i64>,
     queue: Option<i64>,
     #[serde(default)]
     idle: Idle,
@@ -270,7 +274,7 @@ impl Deployment {
             broken(place_of(text, at), fault, "config/deployments/quad-core.toml has every key")
         })?;
         check(raw).map_err(|(key, fault, help)| {
-            let at = text.find(key).unwrap_or(0);
+            let at = place_of_key(text, key);
             broken(place_of(text, at), fault, &help)
         })
     }
@@ -306,6 +310,17 @@ fn place_of(text: &str, at: usize) -> String {
     format!(":{line}:{column}")
 }
 
+/// Where a key is written, or else its name.
+fn place_of_key(text: &str, key: &str) -> usize {
+    let is_written = |at: &usize| {
+        let before = text[..*at].rsplit('\n').next().unwrap_or_default();
+        let after = text[at + key.len()..].trim_start_matches([' ', '\t']);
+        before.trim().is_empty() && after.starts_with('=')
+    };
+    let mut named = text.match_indices(key).map(|(at, _)| at);
+    named.find(is_written).or_else(|| text.find(key)).unwrap_or(0)
+}
+
 /// The key at fault, the fault, the remedy.
 type Misfit = (&'static str, String, String);
 
@@ -325,6 +340,8 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let help = "queue may be 1 to 16: a client asks one thing at a time";
         return wrong("queue", "queue is out of range".to_owned(), help);
     }
+    let members = Members::new(raw.members.unwrap_or(1), raw.members_max)
+        .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
     let engine = EngineSettings::DEFAULT
         .apply(&raw.engine)
         .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
@@ -364,6 +381,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         curves: raw.curves,
         parameters: raw.parameters,
         engine,
+        members,
         queue,
         idle: raw.idle,
         realtime: raw.realtime,

@@ -88,7 +88,7 @@ impl<'s> Ranker<'s> {
             models: &checked.models,
             shells: &self.shells,
             criteria: self.criteria.clone(),
-            members: checked.scenario.members,
+            members: checked.scenario.members(),
             history: false,
             explanation: false,
             scene: false,

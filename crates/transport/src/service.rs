@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! Client  --ask--> Pending --receive--> WireAnswer      Server  --take--> Asked --answer--> (gone)
-//!   trolley/rank/v1, and a ring at trolley/wake/v1           publishes trolley/ranking/v1,
-//! Listener: the latest ranking, the latest health                      trolley/health/v1
+//!   trolley/rank/v3, and a ring at trolley/wake/v3           publishes trolley/ranking/v3,
+//! Listener: the latest ranking, the latest health                      trolley/health/v3
 //! ```
 //!
 //! Its folder has a fixed name, `FOLDER/trolley-INSTANCE`, so that clients find it. Each start of

@@ -158,13 +158,26 @@ impl Limits {
     ///
     /// If `count` is not within 1 and 1,024, or `most` is less.
     pub fn with_members(self, count: i64, most: Option<i64>) -> Result<Self, Failure> {
-        let members = Members::new(count, most);
-        let members = members.map_err(|misfit| {
+        Ok(Self { members: Some(Self::members_of(count, most)?), ..self })
+    }
+
+    /// How many members these numbers ask for: see [`with_members`](Self::with_members).
+    ///
+    /// ```
+    /// let members = trolley::Limits::members_of(32, None)?;
+    /// assert_eq!((members.count, members.most), (32, 128));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`with_members`](Self::with_members).
+    pub fn members_of(count: i64, most: Option<i64>) -> Result<Members, Failure> {
+        Members::new(count, most).map_err(|misfit| {
             let option = misfit.setting.replace('_', "-");
             Failure::new(FailureKind::Configuration, misfit.what)
                 .with_remedy(format!("--{option}: {}", misfit.remedy))
-        })?;
-        Ok(Self { members: Some(members), ..self })
+        })
     }
 
     /// How many members there are; `scenario` has the scenario's numbers, which hold if no others

@@ -134,7 +134,7 @@ impl<'r> Rounds<'r> {
 
     /// Draws members until there are so many; the candidates begin in the new ones.
     pub(super) fn draw(&mut self, count: u32) -> Result<(), RequestError> {
-        if self.extremes.is_empty() {
+        if self.extremes.is_empty() && self.stage.extremes.is_none() {
             let bodies = self.stage.bodies.iter();
             self.extremes = bodies.map(|(_, view)| Extremes::new(view)).collect();
         }

@@ -54,7 +54,7 @@ pub(super) fn attempted(
         models: &models,
         shells: &shells,
         criteria,
-        members: scenario.members,
+        members: scenario.members(),
         history: true,
         explanation: true,
         scene: true,

@@ -84,7 +84,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
             models: &models,
             shells: &shells,
             criteria: requests::criteria(scenes as usize)?,
-            members: scenario.members,
+            members: scenario.members(),
             history: false,
             explanation: false,
             scene: false,

@@ -100,7 +100,7 @@ impl Scene {
             models: &self.models,
             shells,
             criteria,
-            members: self.scenario.members,
+            members: self.scenario.members(),
             history: false,
             explanation: false,
             scene: false,

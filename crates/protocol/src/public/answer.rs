@@ -8,6 +8,8 @@ use core::mem::offset_of;
 const TEXT: usize = 160;
 /// Contacts of a candidate that an answer has room for: the first ones.
 const CONTACTS: usize = 4;
+/// Parties that a candidate meets in some members that an answer has room for: the most probable.
+const MET: usize = 8;
 
 /// The state of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -150,8 +152,16 @@ impl Reason {
     }
 }
 
-/// Bits of [`WirePlace::flags`] and of [`WireContact::flags`].
+/// Bits of [`WireAnswer::flags`], [`WirePlace::flags`] and [`WireContact::flags`].
 pub mod flag {
+    /// Of an answer: a further stage of members was begun and not finished in time. Figures are
+    /// those of the stage before.
+    pub const LATE: u32 = 1;
+    /// Of an answer: `lead` and `lead_error` are valid.
+    pub const LEAD: u32 = 2;
+    /// Of an answer: the share of worlds that each candidate wins is valid.
+    pub const WORLDS: u32 = 4;
+
     /// Of a place: the ego touches nobody from the start to the end of its way. Proven. Without
     /// this flag, [`OPEN`] and contacts, it is or may be in contact with somebody at the start, and
     /// they part.
@@ -170,6 +180,12 @@ pub mod flag {
     pub const PERSON: u32 = 64;
     /// On a predicted path that was not followed, the ego would meet somebody.
     pub const ALTERNATIVE: u32 = 128;
+    /// Of a place: members were followed, and [`super::WirePlace::expected`] says what they say.
+    /// `work`, `range` and `worst` are means over members then, and all else is of the scene as
+    /// stated; but [`TOUCHES_NOBODY`] holds in every member.
+    pub const MEMBERS: u32 = 256;
+    /// Of a place: nothing of any member is open, so its spread over members is valid.
+    pub const SPREAD: u32 = 512;
 
     /// Of a contact: it is heavy, and the ego runs out from there; otherwise it drives on.
     pub const HEAVY: u32 = 1;
@@ -184,8 +200,10 @@ pub mod flag {
 }
 
 /// The answer to an [`super::Ask`].
+///
+/// What is not known is NaN, and a flag says so. Two answers are equal if all their bits are.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct WireAnswer {
     /// [`VERSION`].
     pub version: u32,
@@ -205,8 +223,25 @@ pub struct WireAnswer {
     pub worked_ns: u64,
     /// See [`WireAnswer::sealed`].
     pub checksum: u64,
+    /// Bits of [`flag`].
+    pub flags: u32,
+    /// The number of members that harm is the mean of; 1: it is that of the scene as stated; 0:
+    /// there is no ranking.
+    pub members: u32,
+    /// How many members there might have been: as `members`, if nothing was drawn.
+    pub members_max: u32,
+    /// How many draws were replaced, as the ego overlapped somebody at time 0.
+    pub replaced: u32,
+    /// How many worlds were drawn: 0 without [`flag::WORLDS`].
+    pub worlds: u32,
     /// 0.
-    pub spare: u64,
+    pub spare: u32,
+    /// By how much the leading measure of the second place is more than that of the first, in the
+    /// mean over members, with [`flag::LEAD`]; else NaN.
+    pub lead: f64,
+    /// Its sampling error, of the paired difference, with [`flag::LEAD`]; else NaN. The two are too
+    /// close to call where it is more than the size of `lead`.
+    pub lead_error: f64,
     /// The bodies of the service; zeros if it was not asked.
     pub model_set: ModelSet,
     /// What is wrong, or which assumption was made: UTF-8, zero-terminated.
@@ -215,9 +250,9 @@ pub struct WireAnswer {
     pub places: [WirePlace; CANDIDATES_MAX],
 }
 
-/// One ranked candidate.
+/// One ranked candidate. Two are equal if all their bits are.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct WirePlace {
     /// Number of the candidate in the request.
     pub candidate: u32,
@@ -245,6 +280,56 @@ pub struct WirePlace {
     pub nearest_s: f64,
     /// Whom the ego meets, in the order of time.
     pub contacts: [WireContact; CONTACTS],
+    /// What members say, with [`flag::MEMBERS`].
+    pub expected: WireExpected,
+}
+
+/// What members say of a candidate. Two are equal if all their bits are.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct WireExpected {
+    /// The share of members in which it meets anybody; where some are open, the least share.
+    /// Without members NaN, as the next.
+    pub contact: f64,
+    /// How many persons are expected to be injured at the policy's level, over open work: lo, hi.
+    pub injured: [f64; 2],
+    /// Sampling error of the mean of the leading measure, with [`flag::SPREAD`]; else NaN, as the
+    /// next three.
+    pub error: f64,
+    /// What the leading measure is below in 5, 50 and 95 % of the members.
+    pub quantiles: [f64; 3],
+    /// The share of members in which the candidate is best; where several are equally good, each
+    /// has its part.
+    pub best: f64,
+    /// How much more its leading measure is than that of the best of each member, in the mean.
+    pub regret: f64,
+    /// The share of worlds that it wins, with [`flag::WORLDS`] of the answer; else NaN.
+    pub worlds: f64,
+    /// How many members are not followed to their end.
+    pub open: u32,
+    /// In how many members it was not decided whether the ego and a party lie inside each other at
+    /// the start.
+    pub undecided: u32,
+    /// How many parties it meets in some member; the most probable eight are listed below.
+    pub met_count: u32,
+    /// 0.
+    pub spare: u32,
+    /// Whom it meets, the most probable first.
+    pub meets: [WireMet; MET],
+}
+
+/// A party that a candidate meets in some members.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct WireMet {
+    /// Which.
+    pub party: u32,
+    /// 0.
+    pub spare: u32,
+    /// The share of members in which it is met; where some are open, the least share.
+    pub probability: f64,
+    /// The earliest time of contact among them (s).
+    pub from_s: f64,
 }
 
 /// One contact of a candidate.
@@ -274,6 +359,8 @@ impl WireAnswer {
             verdict: verdict as u32,
             reason: reason as u32,
             sequence,
+            lead: f64::NAN,
+            lead_error: f64::NAN,
             ..Self::zeroed()
         };
         answer.say(text);
@@ -323,10 +410,30 @@ impl WireAnswer {
         self.checksum == checksum(bytemuck::bytes_of(self), offset_of!(Self, checksum))
     }
 
+    /// Whether a further stage of members was begun and not finished in time.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        self.flags & flag::LATE != 0
+    }
+
+    /// By how much the second place has more harm than the first in the mean over members, and the
+    /// sampling error of that; `None` where it is not known, or nothing was drawn.
+    #[must_use]
+    pub fn lead(&self) -> Option<(f64, f64)> {
+        (self.flags & flag::LEAD != 0).then_some((self.lead, self.lead_error))
+    }
+
     /// The places that are filled in, least harm first.
     #[must_use]
     pub fn ranking(&self) -> &[WirePlace] {
         self.places.get(..self.place_count as usize).unwrap_or(&self.places)
+    }
+}
+
+impl Default for WirePlace {
+    /// A place of which nothing is filled in.
+    fn default() -> Self {
+        Self { expected: WireExpected::UNKNOWN, ..Self::zeroed() }
     }
 }
 
@@ -336,14 +443,78 @@ impl WirePlace {
     pub fn listed(&self) -> &[WireContact] {
         self.contacts.get(..self.contact_count as usize).unwrap_or(&self.contacts)
     }
+
+    /// What members say; `None`: none were drawn.
+    #[must_use]
+    pub fn expected(&self) -> Option<&WireExpected> {
+        (self.flags & flag::MEMBERS != 0).then_some(&self.expected)
+    }
+
+    /// Whether its spread over members is known.
+    #[must_use]
+    pub fn has_spread(&self) -> bool {
+        self.flags & flag::SPREAD != 0
+    }
+
+    /// Whether the ego hits nobody, in any member, though it may be in contact with somebody at the
+    /// start.
+    #[must_use]
+    pub fn hits_nobody(&self) -> bool {
+        let in_members = |expected: &WireExpected| self.has_spread() && expected.contact == 0.0;
+        let is_known = self.expected().is_none_or(in_members);
+        is_known && self.contact_count == 0 && self.flags & flag::OPEN == 0
+    }
 }
 
+impl WireExpected {
+    /// Nothing is known: no members were drawn.
+    pub const UNKNOWN: Self = Self {
+        contact: f64::NAN,
+        injured: [f64::NAN; 2],
+        error: f64::NAN,
+        quantiles: [f64::NAN; 3],
+        best: f64::NAN,
+        regret: f64::NAN,
+        worlds: f64::NAN,
+        open: 0,
+        undecided: 0,
+        met_count: 0,
+        spare: 0,
+        meets: [WireMet { party: 0, spare: 0, probability: 0.0, from_s: 0.0 }; MET],
+    };
+
+    /// The parties that are listed, the most probable first.
+    #[must_use]
+    pub fn listed(&self) -> &[WireMet] {
+        self.meets.get(..self.met_count as usize).unwrap_or(&self.meets)
+    }
+}
+
+/// Equal in every bit: what is not known is NaN, which no number equals.
+macro_rules! equal_in_every_bit {
+    ($($name:ty),+) => {$(
+        impl PartialEq for $name {
+            fn eq(&self, other: &Self) -> bool {
+                bytemuck::bytes_of(self) == bytemuck::bytes_of(other)
+            }
+        }
+
+        impl Eq for $name {}
+    )+};
+}
+
+equal_in_every_bit!(WireAnswer, WirePlace, WireExpected);
+
 const _: () = {
-    assert!(size_of::<WireContact>() == 56 && size_of::<WirePlace>() == 320);
-    assert!(size_of::<WireAnswer>() == 5_376 && align_of::<WireAnswer>() == 8);
+    assert!(size_of::<WireContact>() == 56 && size_of::<WireMet>() == 24);
+    assert!(size_of::<WireExpected>() == 288 && size_of::<WirePlace>() == 608);
+    assert!(size_of::<WireAnswer>() == 10_016 && align_of::<WireAnswer>() == 8);
     assert!(offset_of!(WireAnswer, checksum) == 48);
-    assert!(offset_of!(WireAnswer, model_set) == 64);
-    assert!(offset_of!(WireAnswer, text) == 96);
-    assert!(offset_of!(WireAnswer, places) == 256);
+    assert!(offset_of!(WireAnswer, lead) == 80);
+    assert!(offset_of!(WireAnswer, model_set) == 96);
+    assert!(offset_of!(WireAnswer, text) == 128);
+    assert!(offset_of!(WireAnswer, places) == 288);
     assert!(offset_of!(WirePlace, contacts) == 96);
+    assert!(offset_of!(WirePlace, expected) == 320);
+    assert!(offset_of!(WireExpected, open) == 80 && offset_of!(WireExpected, meets) == 96);
 };

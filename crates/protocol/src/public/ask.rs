@@ -37,8 +37,9 @@ pub struct Ask {
     pub reaction_count: u32,
     /// States that are filled in, 1 to 7,168.
     pub state_count: u32,
-    /// 0.
-    pub spare: u32,
+    /// In how many members of what is known only up to errors the candidates are followed, up to
+    /// 1,024; 1: in the scene as stated alone; 0: as many as the service usually does.
+    pub members: u32,
     /// How long everybody is followed from now (s), up to 30.
     pub horizon_s: f64,
     /// Bodies that come as near as this (m), 1e-5 to 0.1, count as touching where it cannot be
@@ -47,8 +48,14 @@ pub struct Ask {
     /// The bodies that the client knows the service to have ([`super::Health::model_set`]): a
     /// service with others refuses. Zeros: not compared.
     pub model_set: ModelSet,
+    /// How many members there are at most, as they are doubled while the best two candidates are
+    /// too close to call: at least `members`, up to 1,024. 0: as a scenario that says nothing, 128
+    /// or `members`, if these are more; or with `members` 0, too, as the service usually does.
+    pub members_max: u32,
     /// 0.
-    pub room: [u64; 2],
+    pub spare: u32,
+    /// 0.
+    pub room: u64,
     /// Everybody around, and the ego.
     pub parties: [WireParty; PARTIES_MAX],
     /// Persons of the parties that [`WireParty::PERSONS`] marks.
@@ -70,7 +77,8 @@ pub struct WireParty {
     /// Id of its model in the deployment file.
     pub model: u32,
     /// Which of the fields below are used: [`WireParty::PERSONS`], [`WireParty::MASS`],
-    /// [`WireParty::UNKNOWN`], [`WireParty::CRUSH`].
+    /// [`WireParty::UNKNOWN`], [`WireParty::CRUSH`], and one for each of its errors, which are 0
+    /// without theirs: see [`WireParty::with_errors`].
     pub flags: u32,
     /// Number of its first predicted path; of the ego 0.
     pub first_path: u32,
@@ -85,13 +93,37 @@ pub struct WireParty {
     pub crush: [f64; 2],
     /// Room for a size to which the body is stretched (m): 0, this version has bodies as they are.
     pub size_m: [f64; 3],
-    /// Room for the covariance of the position in its own frame (m²), row by row: 0, this version
-    /// takes poses as exact.
-    pub position_covariance_m2: [f64; 4],
-    /// Room for the variance of the yaw (degrees²): 0.
-    pub yaw_variance_deg2: f64,
-    /// Room for the variance of a factor of the speed: 0.
-    pub speed_variance: f64,
+    /// With [`WireParty::LATERAL`]: standard deviation of its place to its left (m), 0 to 10.
+    pub lateral_m: f64,
+    /// With [`WireParty::LONGITUDINAL`]: standard deviation along its x axis (m), 0 to 10.
+    pub longitudinal_m: f64,
+    /// With [`WireParty::CORRELATION`]: correlation of the two, -1 to 1.
+    pub correlation: f64,
+    /// With [`WireParty::YAW`]: standard deviation of its yaw (degrees), 0 to 90.
+    pub yaw_deg: f64,
+    /// With [`WireParty::SPEED`]: standard deviation of the logarithm of a factor on its speed, 0
+    /// to 0.5.
+    pub speed_share: f64,
+    /// 0.
+    pub room: u64,
+}
+
+/// How well a party is known: standard deviations, each `None` where the usual one applies.
+///
+/// They count where a request is followed in members. Usual are 0.2 m to the left, 0.3 m along,
+/// no correlation, 2°, and 0.1 of the speed, of the ego 0.05.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PartyErrors {
+    /// To its left (m), 0 to 10.
+    pub lateral_m: Option<f64>,
+    /// Along its x axis (m), 0 to 10.
+    pub longitudinal_m: Option<f64>,
+    /// Correlation of the two, -1 to 1.
+    pub correlation: Option<f64>,
+    /// Yaw (degrees), 0 to 90.
+    pub yaw_deg: Option<f64>,
+    /// Share of its speed, 0 to 0.5.
+    pub speed_share: Option<f64>,
 }
 
 /// Persons in or on a party.
@@ -195,6 +227,12 @@ impl Ask {
         ask.version = VERSION;
         ask.horizon_s = horizon_s;
         ask
+    }
+
+    /// Asks for expected harm over so many members, and at most so many; 0: see [`Ask::members`]
+    /// and [`Ask::members_max`].
+    pub fn set_members(&mut self, members: u32, members_max: u32) {
+        (self.members, self.members_max) = (members, members_max);
     }
 
     /// Adds a party and returns its number. `None` if there is no capacity.
@@ -304,11 +342,75 @@ impl WireParty {
     pub const UNKNOWN: u32 = 4;
     /// Flag: `crush` is used.
     pub const CRUSH: u32 = 8;
+    /// Flag: `lateral_m` is used; otherwise the usual error, as for the four below.
+    pub const LATERAL: u32 = 16;
+    /// Flag: `longitudinal_m` is used.
+    pub const LONGITUDINAL: u32 = 32;
+    /// Flag: `correlation` is used.
+    pub const CORRELATION: u32 = 64;
+    /// Flag: `yaw_deg` is used.
+    pub const YAW: u32 = 128;
+    /// Flag: `speed_share` is used.
+    pub const SPEED: u32 = 256;
+    /// The flags of all errors.
+    pub const ERRORS: u32 =
+        Self::LATERAL | Self::LONGITUDINAL | Self::CORRELATION | Self::YAW | Self::SPEED;
 
     /// A party with the values of its model, and no path yet.
     #[must_use]
     pub fn of_model(model: u32) -> Self {
         Self { model, ..Self::zeroed() }
+    }
+
+    /// The party with these errors in place of all that it had.
+    #[must_use]
+    pub fn with_errors(mut self, errors: &PartyErrors) -> Self {
+        let PartyErrors { lateral_m, longitudinal_m, correlation, yaw_deg, speed_share } = *errors;
+        let flags = [
+            (Self::LATERAL, lateral_m),
+            (Self::LONGITUDINAL, longitudinal_m),
+            (Self::CORRELATION, correlation),
+            (Self::YAW, yaw_deg),
+            (Self::SPEED, speed_share),
+        ];
+        let flags = flags.iter().filter(|(_, error)| error.is_some());
+        self.flags = flags.fold(self.flags & !Self::ERRORS, |all, (flag, _)| all | flag);
+        self.lateral_m = lateral_m.unwrap_or(0.0);
+        self.longitudinal_m = longitudinal_m.unwrap_or(0.0);
+        self.correlation = correlation.unwrap_or(0.0);
+        self.yaw_deg = yaw_deg.unwrap_or(0.0);
+        self.speed_share = speed_share.unwrap_or(0.0);
+        self
+    }
+
+    /// Its errors, as far as they are used.
+    #[must_use]
+    pub fn errors(&self) -> PartyErrors {
+        let used = |flag: u32, value: f64| (self.flags & flag != 0).then_some(value);
+        PartyErrors {
+            lateral_m: used(Self::LATERAL, self.lateral_m),
+            longitudinal_m: used(Self::LONGITUDINAL, self.longitudinal_m),
+            correlation: used(Self::CORRELATION, self.correlation),
+            yaw_deg: used(Self::YAW, self.yaw_deg),
+            speed_share: used(Self::SPEED, self.speed_share),
+        }
+    }
+}
+
+impl WirePersons {
+    /// The name of a seat by its number; `None`: on foot, or on some seat.
+    #[must_use]
+    pub fn seat_name(seat: u32) -> Option<&'static str> {
+        const NAMES: [&str; 7] = [
+            "front-left",
+            "front-right",
+            "rear-left",
+            "rear-middle",
+            "rear-right",
+            "rider",
+            "pillion",
+        ];
+        NAMES.get((seat as usize).checked_sub(1)?).copied()
     }
 }
 
@@ -351,8 +453,11 @@ const _: () = {
     assert!(size_of::<WirePath>() == 32 && size_of::<WirePathState>() == 80);
     assert!(size_of::<Ask>() == 590_976 && align_of::<Ask>() == 8);
     assert!(offset_of!(Ask, checksum) == 24);
+    assert!(offset_of!(WireParty, lateral_m) == 72 && offset_of!(WireParty, room) == 112);
+    assert!(offset_of!(Ask, members) == 60);
     assert!(offset_of!(Ask, horizon_s) == 64);
     assert!(offset_of!(Ask, model_set) == 80);
+    assert!(offset_of!(Ask, members_max) == 112 && offset_of!(Ask, room) == 120);
     assert!(offset_of!(Ask, parties) == 128);
     assert!(offset_of!(Ask, persons) == 3_968);
     assert!(offset_of!(Ask, candidates) == 8_064);

@@ -23,6 +23,9 @@ fn flip(bytes: &mut [u8], bit: usize) {
 #[test]
 fn no_single_bit_of_a_request_or_an_answer_changes_unseen() {
     let mut ask = small();
+    ask.set_members(8, 64);
+    let errors = PartyErrors { lateral_m: Some(0.5), ..PartyErrors::default() };
+    ask.parties[1] = ask.parties[1].with_errors(&errors);
     ask.seal();
     assert!(ask.is_intact());
     for bit in 0..8 * ask.used_bytes() {
@@ -31,8 +34,10 @@ fn no_single_bit_of_a_request_or_an_answer_changes_unseen() {
         assert!(!ask.is_intact(), "bit {bit}");
         flip(bytemuck::bytes_of_mut(&mut *ask), bit);
     }
-    let mut answer =
-        WireAnswer::without_ranking(7, WireState::Busy, Reason::QueueFull, "").sealed();
+    let mut answer = WireAnswer::without_ranking(7, WireState::Complete, Reason::None, "");
+    (answer.flags, answer.members, answer.lead) = (flag::LEAD, 8, 0.25);
+    answer.places[0] = WirePlace { flags: flag::MEMBERS, ..WirePlace::default() };
+    let mut answer = answer.sealed();
     assert!(answer.is_intact());
     for bit in 0..8 * size_of::<WireAnswer>() {
         flip(bytemuck::bytes_of_mut(&mut answer), bit);
@@ -81,6 +86,53 @@ fn what_is_added_has_its_number_and_room_ends() {
     assert_eq!(ask.add_candidate(0, &[reaction; REACTIONS_MAX]), Some(1));
     assert_eq!(ask.add_candidate(0, &[reaction]), None);
     assert_eq!((ask.reaction_count, ask.candidate_count), (128, 2));
+}
+
+#[test]
+fn errors_that_are_set_are_used_and_all_others_are_the_usual() {
+    let all = PartyErrors {
+        lateral_m: Some(0.5),
+        longitudinal_m: Some(0.0),
+        correlation: Some(-0.25),
+        yaw_deg: Some(3.0),
+        speed_share: Some(0.125),
+    };
+    let mut party = WireParty::of_model(1);
+    party.flags = WireParty::MASS;
+    assert_eq!(party.errors(), PartyErrors::default());
+    let known = party.with_errors(&all);
+    assert_eq!((known.flags, known.errors()), (WireParty::MASS | WireParty::ERRORS, all));
+    let one = PartyErrors { yaw_deg: Some(0.0), ..PartyErrors::default() };
+    let known = known.with_errors(&one);
+    assert_eq!((known.flags, known.errors()), (WireParty::MASS | WireParty::YAW, one));
+    assert_eq!(known.with_errors(&PartyErrors::default()), party);
+}
+
+#[test]
+fn what_is_not_known_is_said_so_and_no_number() {
+    let answer = WireAnswer::without_ranking(7, WireState::Busy, Reason::QueueFull, "");
+    assert!(answer.lead.is_nan() && answer.lead_error.is_nan());
+    assert_eq!((answer.lead(), answer.is_late(), answer.members), (None, false, 0));
+    let mut place = WirePlace::default();
+    let WireExpected { contact, injured, error, quantiles, best, regret, worlds, .. } =
+        place.expected;
+    let figures = [contact, error, best, regret, worlds];
+    assert!(figures.iter().chain(&injured).chain(&quantiles).all(|x| x.is_nan()));
+    assert!(place.expected().is_none() && !place.has_spread() && place.hits_nobody());
+    // NaN is equal to itself here: answers are compared bit by bit.
+    assert_eq!(place, place);
+    assert_eq!(answer, answer);
+    let mut other = answer;
+    other.lead = 0.0;
+    assert_ne!(other, answer);
+    // Where some members are open, nobody knows that it hits nobody.
+    place.flags = flag::MEMBERS;
+    place.expected.contact = 0.0;
+    assert!(!place.hits_nobody());
+    place.flags |= flag::SPREAD;
+    assert!(place.hits_nobody());
+    place.expected.met_count = 11;
+    assert_eq!(place.expected.listed().len(), 8);
 }
 
 #[test]

@@ -54,7 +54,7 @@ pub struct ScenarioDraft {
     pub(super) ego: PartyIndex,
     pub(super) horizon_s: f64,
     pub(super) resolution_m: f64,
-    pub(super) members: Members,
+    pub(super) members: Option<Members>,
     pub(super) parties: Vec<DraftParty>,
     pub(super) candidates: Vec<DraftCandidate>,
 }

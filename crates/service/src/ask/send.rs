@@ -2,11 +2,12 @@
 
 use super::seat_number;
 use protocol::public::{
-    Ask, WireParty, WirePath, WirePathKind, WirePathState, WirePersons, WireReaction,
+    Ask, PartyErrors, WireParty, WirePath, WirePathKind, WirePathState, WirePersons, WireReaction,
 };
-use scenario::{GivenMotion, GivenState, Motion, Occupancy, Scenario};
+use scenario::{Errors, GivenMotion, GivenState, Motion, Occupancy, Scenario};
 
-/// The request of a scenario. `model` gives the id of each party's model.
+/// The request of a scenario. `model` gives the id of each party's model. A scenario that says
+/// nothing of members leaves them to the service.
 ///
 /// # Errors
 ///
@@ -17,15 +18,12 @@ pub fn of_scenario(
     models: &[u32],
     unknown_is_fixed: bool,
 ) -> Result<Box<Ask>, String> {
-    if !scenario.members.is_nominal() {
-        return Err(format!(
-            "members is {}: a service ranks the scene as stated, so leave it out",
-            scenario.members.count
-        ));
-    }
     let mut ask = Ask::new(scenario.horizon_s);
     ask.resolution_m = scenario.resolution_m;
     ask.ego = scenario.ego.0 as u32;
+    if let Some(members) = scenario.members {
+        ask.set_members(members.count, members.most);
+    }
     ask.flags = if unknown_is_fixed { Ask::UNKNOWN_IS_FIXED } else { 0 };
     for (number, (party, model)) in scenario.parties.iter().zip(models).enumerate() {
         if party.size.is_some() {
@@ -43,6 +41,7 @@ pub fn of_scenario(
         if let Some(crush) = party.crush {
             (row.crush, row.flags) = (crush, row.flags | WireParty::CRUSH);
         }
+        row = row.with_errors(&errors(&party.errors));
         let groups: &[_] = match &party.occupancy {
             Occupancy::Stated(groups) => groups,
             Occupancy::Empty | Occupancy::Default => &[],
@@ -75,6 +74,17 @@ pub fn of_scenario(
             .ok_or("a request has at most 16 candidates and 128 reactions")?;
     }
     Ok(ask)
+}
+
+/// All errors of a party: a service does not know which of them the scenario states.
+fn errors(errors: &Errors) -> PartyErrors {
+    PartyErrors {
+        lateral_m: Some(errors.lateral_m),
+        longitudinal_m: Some(errors.longitudinal_m),
+        correlation: Some(errors.correlation),
+        yaw_deg: Some(errors.yaw_deg),
+        speed_share: Some(errors.speed_share),
+    }
 }
 
 /// Adds a motion as a path, whose number is returned.

@@ -78,12 +78,24 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
     let reacts = "name = \"brake\"\nreactions.car = { state = { position_m = [28, 3.1, 0], \
                   yaw_deg = 180, speed_m_s = 7, yaw_rate_deg_s = 10 } }";
     let more = more.replacen("name = \"brake\"", reacts, 1);
-    for (text, ids, models) in
-        [(SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..]), (&more, &[1, 1, 3, 2], &[0, 0, 2, 1])]
-    {
+    let more = more
+        .replacen("schema =", "members = 8\nmembers_max = 64\nschema =", 1)
+        .replacen(
+            "mass_kg = 1400",
+            "mass_kg = 1400\nerrors = { lateral_m = 0.25, longitudinal_m = 0, correlation = -0.5, \
+             yaw_deg = 3, speed_share = 0.125 }",
+            1,
+        )
+        .replacen("[parties.wall]", "[parties.wall]\nerrors = { lateral_m = 0.01 }", 1);
+    for (text, ids, models, members) in [
+        (SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..], (1, 1)),
+        (&more, &[1, 1, 3, 2], &[0, 0, 2, 1], (8, 64)),
+    ] {
         let scenario = Scenario::parse("wall-or-pole.toml", text).unwrap();
         let checked = checked(&of_scenario(&scenario, ids, false).unwrap()).unwrap();
         assert_eq!(checked.models, models);
+        let followed = checked.scenario.members();
+        assert_eq!((followed.count, followed.most), members);
         assert_eq!((checked.scenario.ego.0, checked.scenario.horizon_s), (models.len() - 3, 5.0));
         let motion = |motion: &Motion| (motion.path.clone(), motion.ends_s);
         for (ours, theirs) in checked.scenario.candidates.iter().zip(&scenario.candidates) {
@@ -99,6 +111,7 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
         for (ours, theirs) in checked.scenario.parties.iter().zip(&scenario.parties) {
             assert_eq!((&ours.occupancy, ours.mass_kg), (&theirs.occupancy, theirs.mass_kg));
             assert_eq!(ours.responsibility.to_bits(), theirs.responsibility.to_bits());
+            assert_eq!(ours.errors, theirs.errors);
             assert_eq!(ours.predictions.len(), theirs.predictions.len());
             for (ours, theirs) in ours.predictions.iter().zip(&theirs.predictions) {
                 assert_eq!(ours.probability.to_bits(), theirs.probability.to_bits());
@@ -106,6 +119,44 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
             }
         }
     }
+}
+
+#[test]
+fn what_a_request_does_not_say_is_as_the_deployment_or_the_usual() {
+    let text = DEPLOYMENT.replacen("[engine]", "members = 4\nmembers_max = 16\n[engine]", 1);
+    let deployment = Deployment::parse("d.toml", &text).unwrap();
+    let check = |ask: &Ask| check(ask, &deployment, (&bodies(), &[7; 32])).unwrap().scenario;
+    let followed = |count: u32, most: u32| {
+        let mut ask = minimal();
+        ask.set_members(count, most);
+        let members = check(&ask).members();
+        (members.count, members.most)
+    };
+    assert_eq!([followed(0, 0), followed(0, 8), followed(0, 4)], [(4, 16), (4, 8), (4, 4)]);
+    assert_eq!([followed(1, 0), followed(2, 0), followed(200, 0)], [(1, 1), (2, 128), (200, 200)]);
+    // A scenario that says nothing leaves it to the service.
+    assert_eq!((minimal().members, minimal().members_max), (0, 0));
+    let mut ask = minimal();
+    for party in &mut ask.parties[..3] {
+        *party = party.with_errors(&PartyErrors::default());
+    }
+    ask.parties[1] =
+        ask.parties[1].with_errors(&PartyErrors { yaw_deg: Some(0.0), ..PartyErrors::default() });
+    ask.parties[1].flags |= WireParty::UNKNOWN;
+    ask.flags = Ask::UNKNOWN_IS_FIXED;
+    let parties = check(&ask).parties;
+    assert_eq!(parties[0].errors, Errors::usual(true));
+    assert_eq!(parties[1].errors, Errors { yaw_deg: 0.0, ..Errors::usual(false) });
+    assert_eq!(parties[2].errors, Errors::usual(false));
+}
+
+#[test]
+fn seats_have_the_same_names_on_the_wire() {
+    for (number, seat) in SEATS.iter().enumerate() {
+        let name = WirePersons::seat_name(number as u32);
+        assert_eq!((name, seat_number(*seat)), (seat.map(Seat::name), number as u32));
+    }
+    assert_eq!(WirePersons::seat_name(SEATS.len() as u32), None);
 }
 
 #[test]
@@ -146,12 +197,45 @@ fn every_mistake_has_its_reason_and_says_where() {
         (|ask, _| ask.ego = 1, Reason::Malformed, "party 0: path_count is 0"),
         (|ask, _| ask.flags = 2, Reason::Malformed, "flags 0x2"),
         (|ask, _| ask.spare = 1, Reason::Malformed, "spare"),
+        (|ask, _| ask.room = 1, Reason::Malformed, "spare"),
+        (|ask, _| ask.members = 1025, Reason::OutOfRange, "the request: members is 1025"),
+        (|ask, _| ask.members = u32::MAX, Reason::OutOfRange, "members may be 1 to 1024"),
+        (|ask, _| ask.set_members(8, 4), Reason::OutOfRange, "the request: members_max is 4"),
+        (|ask, _| ask.set_members(8, 1025), Reason::OutOfRange, "members_max is 1025"),
+        (|ask, _| ask.set_members(0, 2), Reason::OutOfRange, "nothing is drawn"),
+        (|ask, _| ask.set_members(1, 2), Reason::OutOfRange, "nothing is drawn"),
         (|ask, _| ask.model_set[31] = 6, Reason::OtherModels, "other bodies"),
         (|ask, v| ask.horizon_s = v, Reason::OutOfRange, "horizon_s"),
         (|ask, v| ask.resolution_m = v, Reason::OutOfRange, "resolution_m"),
-        (|ask, _| ask.parties[1].flags = 16, Reason::Malformed, "party 1"),
+        (|ask, _| ask.parties[1].flags = 512, Reason::Malformed, "party 1: unknown flags"),
         (|ask, v| ask.parties[1].size_m[2] = v, Reason::Malformed, "not used by this version"),
-        (|ask, v| ask.parties[1].speed_variance = v, Reason::Malformed, "not used"),
+        (|ask, _| ask.parties[1].room = 1, Reason::Malformed, "not used by this version"),
+        (|ask, v| ask.parties[1].lateral_m = v, Reason::OutOfRange, "party 1: lateral_m"),
+        (|ask, v| ask.parties[0].longitudinal_m = v, Reason::OutOfRange, "party 0: longitudinal_m"),
+        (|ask, v| ask.parties[2].correlation = v, Reason::OutOfRange, "party 2: correlation"),
+        (|ask, v| ask.parties[0].yaw_deg = v, Reason::OutOfRange, "party 0: yaw_deg"),
+        (|ask, v| ask.parties[1].speed_share = v, Reason::OutOfRange, "party 1: speed_share"),
+        (|ask, _| ask.parties[1].lateral_m = -1e-9, Reason::OutOfRange, "lateral_m is -1e-9"),
+        (|ask, _| ask.parties[1].lateral_m = 10.5, Reason::OutOfRange, "may be 0 to 10 m"),
+        (|ask, _| ask.parties[1].correlation = 1.1, Reason::OutOfRange, "may be -1 to 1"),
+        (|ask, _| ask.parties[1].yaw_deg = 91.0, Reason::OutOfRange, "may be 0 to 90°"),
+        (|ask, _| ask.parties[1].speed_share = 0.6, Reason::OutOfRange, "may be 0 to 0.5"),
+        (
+            |ask, v| {
+                ask.parties[1].flags &= !WireParty::CORRELATION;
+                ask.parties[1].correlation = v;
+            },
+            Reason::Malformed,
+            "party 1: correlation is",
+        ),
+        (
+            |ask, _| {
+                ask.parties[2] = ask.parties[2].with_errors(&PartyErrors::default());
+                ask.parties[2].speed_share = 0.1;
+            },
+            Reason::Malformed,
+            "its flag is not set",
+        ),
         (|ask, _| ask.parties[2].model = 77, Reason::UnknownModel, "no model 77"),
         (|ask, _| ask.parties[0].path_count = 1, Reason::Malformed, "party 0: it is the ego"),
         (|ask, _| ask.parties[1].path_count = 4, Reason::Malformed, "party 1: path_count is 4"),
@@ -176,7 +260,10 @@ fn every_mistake_has_its_reason_and_says_where() {
         (|ask, _| ask.paths[0].probability = 0.5, Reason::OutOfRange, "sum to 0.5"),
         (|ask, v| ask.parties[0].responsibility = v, Reason::OutOfRange, "party 0"),
         (
-            |ask, v| (ask.parties[0].flags, ask.parties[0].mass_kg) = (WireParty::MASS, v),
+            |ask, v| {
+                ask.parties[0].flags |= WireParty::MASS;
+                ask.parties[0].mass_kg = v;
+            },
             Reason::OutOfRange,
             "mass_kg",
         ),
@@ -189,7 +276,12 @@ fn every_mistake_has_its_reason_and_says_where() {
             Reason::Misfit,
             "path 0: a pole is fixed",
         ),
-        (|ask, _| ask.parties[1].flags = WireParty::UNKNOWN, Reason::UnknownKind, "unknown kind"),
+        (|ask, _| ask.parties[1].flags |= WireParty::UNKNOWN, Reason::UnknownKind, "unknown kind"),
+        (
+            |ask, _| ask.parties[1].flags |= WireParty::UNKNOWN | WireParty::MASS,
+            Reason::Misfit,
+            "party 1: a party of unknown kind has a shape",
+        ),
         (
             |ask, _| {
                 ask.add_candidate(2, &[WireReaction { party: 0, path: 0 }]);
@@ -254,6 +346,17 @@ proptest! {
                 let path = &candidate.ego.path;
                 prop_assert_eq!((path.from_s(), path.to_s()), (0.0, checked.scenario.horizon_s));
                 prop_assert!(path.pose_at(0.0).translation.iter().all(|m| m.abs() <= 1e6));
+            }
+            let members = checked.scenario.members();
+            prop_assert!((1..=members.most).contains(&members.count) && members.most <= 1024);
+            for party in &checked.scenario.parties {
+                let Errors { lateral_m, longitudinal_m, correlation, yaw_deg, speed_share } =
+                    party.errors;
+                prop_assert!((0.0..=10.0).contains(&lateral_m));
+                prop_assert!((0.0..=10.0).contains(&longitudinal_m));
+                prop_assert!((-1.0..=1.0).contains(&correlation));
+                prop_assert!((0.0..=90.0).contains(&yaw_deg));
+                prop_assert!((0.0..=0.5).contains(&speed_share));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{
     DECISION_HEAD, DecisionError, DecisionFile, END, END_SIGNED, Entry, LENGTHS, MAGIC,
-    MAGIC_SIGNED, SIGNED, START, link, name, numbers, request_length,
+    MAGIC_SIGNED, SIGNED, START, is_of_other_version, link, name, numbers, request_length,
 };
 use crate::deployment::Decisions;
 use protocol::public::WireAnswer;
@@ -204,6 +204,9 @@ fn unsigned_end(folder: &Path, last: Option<u64>) -> Result<[u8; 32], DecisionEr
     let Some(path) = last.map(|last| name(folder, last)) else { return Ok([0; 32]) };
     let mut magic = [0; 8];
     let _length = input::start(&path, &mut magic);
+    if is_of_other_version(&magic) {
+        return Err(DecisionError::OtherVersion { path });
+    }
     if magic == MAGIC_SIGNED {
         return Err(ChainError::Signed { name: path.display().to_string() }.into());
     }

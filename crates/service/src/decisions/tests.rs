@@ -50,6 +50,28 @@ fn decisions_rotate_follow_on_each_other_and_are_found_changed() {
     assert!(matches!(read_decisions(&path), Err(DecisionError::Foreign)));
 }
 
+/// Its requests and answers have other lengths: a chain that went on from it could not be checked.
+#[test]
+fn decisions_of_another_version_are_refused_and_not_continued() {
+    let place = tempfile::tempdir().unwrap();
+    let is_other = |error: DecisionError| matches!(error, DecisionError::OtherVersion { .. });
+    for (folder, key, magic) in [("a", None, b"TROLDC2\n"), ("b", Some(signer(1)), b"TROLDS2\n")] {
+        let folder = place.path().join(folder);
+        let mut book = Book::open(&settings(&folder), key.clone()).unwrap();
+        book.add(ask(1).used(), &answer(1)).unwrap();
+        book.mark(true).unwrap();
+        drop(book);
+        let path = name(&folder, 0);
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[..8].copy_from_slice(magic);
+        fs::write(&path, bytes).unwrap();
+        assert!(is_other(read_decisions(&path).unwrap_err()));
+        assert!(is_other(verify_decisions(&folder, None, None).unwrap_err()));
+        assert!(is_other(Book::open(&settings(&folder), key).unwrap_err()));
+        assert_eq!(numbers(&folder).unwrap(), [0]);
+    }
+}
+
 fn signer(seed: u8) -> DecisionSigner {
     let provenance =
         Provenance { written_ns: 0, host: "h".into(), deployment: None, build: "b".into() };
@@ -121,14 +143,14 @@ fn signed_decisions_pass_with_their_key_alone() {
     assert_eq!((found.count, found.first), (2, 3));
 }
 
-/// Every byte of heads and starts, and every 13th of decisions.
+/// Every byte of heads and starts, and every 19th of decisions.
 #[test]
 fn changed_bytes_of_signed_decisions_are_found_and_the_file_named() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("d");
     kept(&folder, 1, &[2, 1]);
     for (path, good) in files(&folder) {
-        let step = |at: &usize| *at < 900 || at.is_multiple_of(13) || good.len() - at < 120;
+        let step = |at: &usize| *at < 900 || at.is_multiple_of(19) || good.len() - at < 120;
         for at in (0..good.len()).filter(step) {
             let mut bad = good.clone();
             bad[at] ^= 0x11;

@@ -16,6 +16,31 @@ fn the_deployments_that_are_shipped_are_accepted() {
     assert_eq!(quad.engine.workers, 4);
     assert!(quad.realtime.priority > quad.realtime.worker_priority);
     assert_eq!(Deployment::parse("dual-core.toml", DUAL).unwrap().engine.workers, 2);
+    for deployment in [&minimal, &quad] {
+        assert!(deployment.members.is_nominal(), "nothing is drawn unless it is asked for");
+    }
+}
+
+#[test]
+fn members_are_those_that_are_written() {
+    for (written, members) in [
+        ("members = 1", (1, 1)),
+        ("members = 32", (32, 128)),
+        ("members = 8\nmembers_max = 8", (8, 8)),
+    ] {
+        let text = MINIMAL.replacen("[engine]", &format!("{written}\n[engine]"), 1);
+        let found = Deployment::parse("d.toml", &text).unwrap().members;
+        assert_eq!((found.count, found.most), members);
+    }
+    // A word of a comment is no key.
+    let text = MINIMAL.replacen(
+        "[engine]",
+        "# whose members = all, members_max too\nmembers = 8\nmembers_max = 4\n[engine]",
+        1,
+    );
+    let error = Deployment::parse("d.toml", &text).unwrap_err();
+    let line = text.lines().position(|line| line.starts_with("members_max")).unwrap() + 1;
+    assert_eq!(diagnostic::Diagnostic::place(&error), Some(format!("d.toml:{line}:1")));
 }
 
 #[test]
@@ -32,6 +57,11 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
         ("shape = \"pole\"", "shape = \"pol\"", "shape \"pol\" is not known"),
         ("[engine]", "queue = 17\n[engine]", "queue is out of range"),
         ("[engine]", "queue = -1\n[engine]", "queue is out of range"),
+        ("[engine]", "members = 0\n[engine]", "members is 0"),
+        ("[engine]", "members = 1025\n[engine]", "members may be 1 to 1024"),
+        ("[engine]", "members = 2.5\n[engine]", "invalid type"),
+        ("[engine]", "members = 8\nmembers_max = 4\n[engine]", "members_max is 4"),
+        ("[engine]", "members_max = 4\n[engine]", "nothing is drawn"),
         ("[engine]", "group = -1\n[engine]", "-1 is not a group"),
         ("[engine]", "group = true\n[engine]", "true is not a group"),
         ("[engine]", "[realtime]\npriority = 100\n[engine]", "priority is 100"),

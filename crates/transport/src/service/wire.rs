@@ -23,9 +23,9 @@ macro_rules! wire {
     };
 }
 
-wire!(Ask, public::Ask, "trolley.Ask.v2");
-wire!(WireAnswer, public::WireAnswer, "trolley.Answer.v2");
-wire!(Health, public::Health, "trolley.Health.v2");
+wire!(Ask, public::Ask, "trolley.Ask.v3");
+wire!(WireAnswer, public::WireAnswer, "trolley.Answer.v3");
+wire!(Health, public::Health, "trolley.Health.v3");
 
 /// Writes a request into memory that was lent for it: the bytes that count, and no others.
 pub(super) fn write_used(lent: &mut MaybeUninit<Ask>, ask: &public::Ask) {

@@ -107,7 +107,7 @@ impl Engine {
         let settings = applied(&parsed.engine, &self.settings.overrides)?;
         limits.check()?;
         let request_limits = limits.request_limits(parsed.deadline);
-        let members = limits.members(parsed.members);
+        let members = limits.members(parsed.members());
         scenario.check_references()?;
         let all = scenario.bodies();
         let (unique, models) = PartyBody::unique(&all);

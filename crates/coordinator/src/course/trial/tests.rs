@@ -40,7 +40,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
             models: &models,
             shells: &shells,
             criteria: criteria.clone(),
-            members: scenario.members,
+            members: scenario.members(),
             history: false,
             explanation: false,
             scene: false,

@@ -8,10 +8,13 @@ use crate::members::{Errors, Members};
 use crate::raw::Table;
 use crate::scenario::raw;
 
-/// How many members a scenario asks for.
-pub(super) fn members(count: Option<i64>, most: Option<i64>) -> Result<Members, Fault> {
+/// How many members a scenario asks for, if it says so.
+pub(super) fn members(count: Option<i64>, most: Option<i64>) -> Result<Option<Members>, Fault> {
+    if (count, most) == (None, None) {
+        return Ok(None);
+    }
     let members = Members::new(count.unwrap_or(1), most);
-    members.map_err(|misfit| Fault { path: Path::default().key(misfit.setting), misfit })
+    members.map(Some).map_err(|misfit| Fault { path: Path::default().key(misfit.setting), misfit })
 }
 
 /// How well a party is known.
