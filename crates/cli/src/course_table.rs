@@ -26,7 +26,7 @@ fn stated(answer: &Answer) -> String {
         table.add_row([
             (at + 1).to_string(),
             row.name.clone(),
-            meets(row),
+            meets(row) + &marked(answer, row),
             worst_off(row),
             harm(row),
             range(row),
@@ -55,7 +55,7 @@ fn expected(answer: &Answer) -> String {
         table.add_row([
             (at + 1).to_string(),
             row.name.clone(),
-            expected_meets(of),
+            expected_meets(of) + &marked(answer, row),
             harm,
             spread(&|s| format!("{}–{}", percent(s.quantiles[0]), percent(s.quantiles[2]))),
             range(row),
@@ -121,6 +121,22 @@ fn meets(row: &CourseRow) -> String {
     lines.join("\n")
 }
 
+/// A line that marks a candidate whose place may owe to what is hardly true: the first, and each
+/// that meets somebody of whom it is.
+fn marked(answer: &Answer, row: &CourseRow) -> String {
+    let is_first = answer.ranking.first().is_some_and(|first| first.name == row.name);
+    let mut parties = answer.implausible.iter().filter_map(|one| one.party.as_deref());
+    let is_met = parties.any(|party| {
+        let expected = row.expected.iter().flat_map(|of| &of.meets);
+        row.contacts.iter().any(|contact| contact.party == party)
+            || expected.into_iter().any(|met| met.party == party)
+    });
+    if is_met || (is_first && !answer.implausible.is_empty()) {
+        return "\n! implausible, see below".to_owned();
+    }
+    String::new()
+}
+
 fn contact(contact: &ContactRow) -> String {
     let possible = if contact.is_certain { "" } else { ", possible" };
     let ego = contact.delta_v_m_s[0].work.hi();
@@ -178,6 +194,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
+    lines.extend(answer.implausible.iter().map(|one| format!("IMPLAUSIBLE: {}", one.sentence())));
     lines.push(format!("{took}."));
     lines.extend(members(answer));
     lines.extend(lead(answer));
