@@ -1,5 +1,4 @@
 //! The command line's words: names of flags, the standard input, full disks, little memory.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, run, text, trolley};
 use std::process::{Command, Stdio};
