@@ -17,7 +17,7 @@ use trolley::{Failure, FailureKind, OpenDeployment, Scenario};
 #[cfg(feature = "lab")]
 macro_rules! repeated {
     () => {
-        "  trolley query DEPLOYMENT SCENARIO --repeat 100000    latencies, compared with in-process\n"
+        "  trolley query DEPLOYMENT SCENARIO --repeat 100000   latencies, beside in-process\n"
     };
 }
 #[cfg(not(feature = "lab"))]

@@ -18,11 +18,10 @@ const COLUMNS: usize = 100;
 pub fn key_reference() -> String {
     let schema = schema::value();
     let root = schema.as_value();
-    let mut text = String::from(
-        "# Keys of a scenario\n\nMade from `trolley schema`: all keys with type, range and \
-         meaning. A key is optional unless it\nis called required. Units stand in the names: `_m` metres, \
-         `_s` seconds, `_deg` degrees.\n",
-    );
+    let about = "Made from `trolley schema`: all keys with type, range and meaning. A key is \
+                 optional unless it is called required. Units stand in the names: `_m` metres, \
+                 `_s` seconds, `_deg` degrees.";
+    let mut text = format!("# Keys of a scenario\n\n{}\n", wrapped(about, 0));
     section(&mut text, "The scenario", root);
     let mut named = referred(root);
     let mut next = 0;
