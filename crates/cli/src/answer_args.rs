@@ -14,6 +14,10 @@ pub(crate) struct AnswerArgs {
     /// Without this option, a scenario with such parties is refused.
     #[arg(long, value_name = "unknown=fixed")]
     pub(crate) assume: Option<Assume>,
+    /// Refuse (exit code 4) a scenario that states what is hardly true: a lorry of 25 kg, 5 m up in
+    /// the air, or 2 km away. Without this option the answer says so.
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Add a decision record to this folder: the request, the answer, and what produced it.
     #[arg(long, value_name = "DIR", conflicts_with = "budget")]
     pub(crate) record: Option<PathBuf>,

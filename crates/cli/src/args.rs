@@ -8,17 +8,19 @@ use clap::{Parser, Subcommand};
 const EXAMPLES: &str = "\
 Examples:
   trolley demo                                rank seven crashes between generated bodies
-  trolley rank config/scenarios/minimal.toml  rank the crashes that a file describes
-  trolley rank FILE --json --workers 2        as JSON, with two workers
-  trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
+  trolley init crash.toml                     write a scenario to begin with
+  trolley rank crash.toml                     rank the crashes that it describes
+  trolley rank crash.toml --json --workers 2  as JSON, with two workers
+  trolley help tutorial                       from a mesh to a ranking in ten minutes
 
 Exit codes: 0 ok, 2 usage, 3 degraded, 4 refused, 65 input, 69 resources, 70 internal,
 71 operating system, 75 try again, 76 version skew, 77 no real time, 78 configuration,
-130 interrupted.";
+130 interrupted: trolley help exit-codes. Other pages: trolley help topics.";
 
 /// Ranks unavoidable collisions by harm, and says how certain the ranking is.
 #[derive(Debug, Parser)]
-#[command(name = "trolley", version = trolley::BUILD, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "trolley", version = trolley::BUILD, after_help = EXAMPLES, max_term_width = 100,
+          disable_help_subcommand = true)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -51,13 +53,17 @@ pub(crate) enum Command {
     },
     /// Rank the crashes described by a scenario file.
     #[command(after_help = "Examples:\n  trolley rank config/scenarios/demo.toml\n  \
-        trolley rank crash.toml --json --depth 10 | jq .answer.ranking[0].name\n  \
+        trolley rank config/examples/crash.toml --json --depth 10\n  \
         trolley rank config/scenarios/crossing.toml --report crossing.html\n  \
-        trolley rank DEU_Gar-1_1_T-1.xml")]
+        trolley rank config/examples/crossing.xml\n  \
+        trolley rank - < config/examples/crash.toml")]
     Rank(Box<crate::rank::RankArgs>),
     /// Answer planners' requests until stopped, as one deployment file says.
     #[command(after_help = crate::serve::EXAMPLES)]
     Serve(crate::serve::ServeArgs),
+    /// Write a commented scenario that ranks at once, to begin with.
+    #[command(after_help = crate::init::EXAMPLES)]
+    Init(crate::init::InitArgs),
     /// Send the request of a scenario file to a running service.
     #[command(after_help = crate::query::EXAMPLES)]
     Query(crate::query::QueryArgs),
@@ -127,8 +133,15 @@ pub(crate) enum Command {
         /// Shell to print completions for.
         shell: clap_complete::Shell,
     },
-    /// Print the man page.
-    Man,
+    /// Print a man page: of the program, or of one command.
+    #[command(after_help = crate::help::MAN_EXAMPLES)]
+    Man(crate::help::ManArgs),
+    /// Print the help of a command, or a page: see `trolley help topics`.
+    Help {
+        /// A command, or a topic.
+        #[arg(value_name = "COMMAND | TOPIC")]
+        words: Vec<String>,
+    },
     /// Run as a worker process; started by a coordinator, not by hand.
     #[command(hide = true)]
     Worker {

@@ -23,6 +23,7 @@ fn stated(answer: &Answer) -> String {
         StatedRow {
             name: &row.name,
             meets: meets(row),
+            is_marked: is_marked(answer, row),
             worst: worst.map(|who| (ranking_table::worst_off(&who.party, who.seat), who.work.hi())),
             work: row.work.into(),
             range: row.range.into(),
@@ -38,6 +39,7 @@ fn expected(answer: &Answer) -> String {
         meets:
             of.meets.iter().map(|met| (met.party.as_str(), met.probability, met.from_s)).collect(),
         more: 0,
+        is_marked: is_marked(answer, row),
         open: of.open,
         work: row.work.into(),
         range: row.range.into(),
@@ -73,6 +75,19 @@ fn meets(row: &CourseRow) -> String {
     lines.join("\n")
 }
 
+/// Whether the place of a candidate may owe to what is hardly true: that of the first, and of each
+/// that meets somebody of whom it is.
+fn is_marked(answer: &Answer, row: &CourseRow) -> bool {
+    let is_first = answer.ranking.first().is_some_and(|first| first.name == row.name);
+    let mut parties = answer.implausible.iter().filter_map(|one| one.party.as_deref());
+    let is_met = parties.any(|party| {
+        let expected = row.expected.iter().flat_map(|of| &of.meets);
+        row.contacts.iter().any(|contact| contact.party == party)
+            || expected.into_iter().any(|met| met.party == party)
+    });
+    is_met || (is_first && !answer.implausible.is_empty())
+}
+
 fn contact(contact: &ContactRow) -> String {
     let ego = contact.delta_v_m_s[0].work.hi();
     let kind = severity(contact.severity);
@@ -105,6 +120,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
+    lines.extend(answer.implausible.iter().map(|one| format!("IMPLAUSIBLE: {}", one.sentence())));
     lines.push(format!("{took}."));
     lines.extend(members(answer));
     lines.extend(lead(answer));

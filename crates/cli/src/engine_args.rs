@@ -1,7 +1,7 @@
 //! Flags that configure the engine.
 
 use clap::Args;
-use scenario::Overrides;
+use scenario::{EngineSettings, Overrides};
 use trolley::Failure;
 
 /// Engine settings; each overrides the scenario's. None changes a complete answer.
@@ -40,6 +40,19 @@ pub(crate) struct EngineArgs {
 }
 
 impl EngineArgs {
+    /// Whether the settings fit those of a scenario; what does not is said by the names of flags.
+    pub(crate) fn check(&self, settings: &EngineSettings) -> Result<(), Failure> {
+        let Err(misfit) = settings.apply(&self.overrides()?) else { return Ok(()) };
+        let key = misfit.setting;
+        let flag = format!("--{}", key.replace('_', "-"));
+        let named = |text: &str| {
+            let text = text.replace(&format!("{key} = []"), &format!("{flag} none"));
+            let words = text.split(' ').map(|word| if word == key { flag.as_str() } else { word });
+            words.collect::<Vec<_>>().join(" ")
+        };
+        Err(Failure::setting(named(&misfit.what)).with_remedy(named(&misfit.remedy)))
+    }
+
     /// The settings that override the scenario's.
     pub(crate) fn overrides(&self) -> Result<Overrides, Failure> {
         let cores = match self.cores.as_deref() {
@@ -48,8 +61,8 @@ impl EngineArgs {
             Some(list) => {
                 let cores: Result<Vec<i64>, _> =
                     list.split(',').map(|core| core.trim().parse()).collect();
-                Some(cores.map_err(|error| {
-                    Failure::setting(format!("--cores {list}: {error}"))
+                Some(cores.map_err(|_not_a_number| {
+                    Failure::setting(format!("--cores {list}: not a list of core numbers"))
                         .with_remedy("write --cores 0,1,2,3, or --cores none")
                 })?)
             }

@@ -14,18 +14,20 @@ use trolley::model::{BuildOptions, LEAF_SIZE_MAX};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
-  trolley intersect a.stl b.stl --poses pose.txt
-  trolley intersect a.stl b.stl --poses pose.txt --question sets --threads 2 --repeat 9 --json
-  trolley intersect a.stl b.stl --poses pose.txt --cast -1,0,0 --reach 10 --nearest 3
+  D=crates/trolley/examples/data P=config/examples/poses.txt
+  trolley intersect $D/step.stl $D/pole.stl --poses $P
+  trolley intersect $D/step.stl $D/pole.stl --poses $P --question sets --threads 2 --json
+  trolley intersect $D/step.stl $D/pole.stl --poses $P --cast -1,0,0 --reach 10 --nearest 3
 
 POSES holds the world poses of A and of B, each as three lines of four numbers, R | t in metres.
 The long help (--help) explains the fields of --json.";
 
 pub(crate) const HELP: &str = "\
 Examples:
-  trolley intersect a.stl b.stl --poses pose.txt
-  trolley intersect a.stl b.stl --poses pose.txt --question sets --threads 2 --repeat 9 --json
-  trolley intersect a.stl b.stl --poses pose.txt --cast -1,0,0 --reach 10 --nearest 3
+  D=crates/trolley/examples/data P=config/examples/poses.txt
+  trolley intersect $D/step.stl $D/pole.stl --poses $P
+  trolley intersect $D/step.stl $D/pole.stl --poses $P --question sets --threads 2 --json
+  trolley intersect $D/step.stl $D/pole.stl --poses $P --cast -1,0,0 --reach 10 --nearest 3
 
 POSES holds the world poses of A and of B, each as three lines of four numbers, R | t in metres; a #
 begins a comment. Everything is computed in A's frame: R = RaᵀRb and t = Raᵀ(tb − ta) in f64, sums

@@ -9,6 +9,8 @@ mod args;
 mod course_table;
 mod doctor;
 mod engine_args;
+mod help;
+mod init;
 mod intersect;
 #[cfg(feature = "lab")]
 mod lab;
@@ -38,9 +40,17 @@ use trolley::Failure;
 static HEAP: trolley::CountingAllocator = trolley::CountingAllocator;
 
 fn main() -> ExitCode {
-    let args = Args::parse();
-    start_logging(&args);
-    match run(&args) {
+    let done = match Args::try_parse() {
+        Ok(args) => {
+            start_logging(&args);
+            run(&args)
+        }
+        // Usage errors go to stderr, with exit code 2.
+        Err(usage) if usage.use_stderr() => usage.exit(),
+        // Help and version are output like any other: a full disk is an error.
+        Err(asked) => print::out_bytes(asked.render().to_string().as_bytes()),
+    };
+    match done {
         Ok(code) => code,
         Err(failure) => {
             print::err(&format!("error: {failure}"));
@@ -81,12 +91,9 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
             clap_complete::generate(*shell, &mut Args::command(), "trolley", &mut text);
             print::out_bytes(&text)
         }
-        Command::Man => {
-            let mut text = Vec::new();
-            let page = clap_mangen::Man::new(Args::command());
-            page.render(&mut text).map_err(print::failed)?;
-            print::out_bytes(&text)
-        }
+        Command::Man(asked) => help::manual(Args::command(), asked, &args.output()),
+        Command::Help { words } => help::run(Args::command(), words),
+        Command::Init(asked) => init::run(asked, &args.output()),
         Command::Worker { word } => {
             trolley::run_worker(word)?;
             Ok(ExitCode::SUCCESS)

@@ -18,19 +18,20 @@ pub(crate) use text::{shown, thousands};
 
 const IMPORT: &str = "\
 Examples:
-  trolley model import car.obj --unit cm --up z --forward -y --kind sedan -o car.trolley
-  trolley model import human.obj --unit dm --up y --forward z --only body --kind pedestrian \\
-      -o human.trolley
-  trolley model import pickup.dae --forward y --kind suv -o pickup.trolley
-  trolley model import shells.k --unit mm --only roof --kind sedan -o shells.trolley
+  trolley model import config/examples/car.stl --unit cm --up z --forward -y --kind sedan \\
+      -o car.trolley
+  trolley model import tests/data/hatchback.obj --unit inch --up z --forward -y --kind sedan \\
+      -o hatchback.trolley
+  trolley model import tests/data/jersey_barrier.dae --forward y --kind wall -o barrier.trolley
+  trolley model import FILE.k --unit mm --only PART --kind sedan -o shells.trolley
 
 Mass, centre of mass, inertia and seats come from a TOML file beside the mesh (car.toml), else from
 defaults by kind; `trolley model info` says which.";
 
 const CHECK: &str = "\
 Examples:
-  trolley model check *.trolley
-  trolley model check scans/*.ply --unit mm
+  trolley model check config/examples/car.stl tests/data/hatchback.obj
+  trolley model check MODELS/*.trolley
 
 One line per file. Exit code 65 if a file was refused. Without --kind, any size is accepted.";
 
@@ -41,6 +42,7 @@ Examples:
 
 const EXPORT: &str = "\
 Examples:
+  trolley model generate sedan --triangles 20000 -o car.trolley
   trolley model export car.trolley --format stl -o car.stl
   trolley model export car.trolley -o car.obj
 
@@ -53,10 +55,9 @@ pub(crate) enum Verb {
     #[command(after_help = IMPORT)]
     Import(ImportArgs),
     /// Describe a model file (size, mass, parts, tree, origin), or suggest unit and axes of a mesh.
-    #[command(
-        after_help = "Examples:\n  trolley model info car.trolley --json | jq .body.size_m\n  \
-        trolley model info hatchback.obj"
-    )]
+    #[command(after_help = "Examples:\n  trolley model info config/examples/car.stl\n  \
+        trolley model generate sedan --triangles 20000 -o car.trolley\n  \
+        trolley model info car.trolley --json")]
     Info {
         /// Model file, or a mesh to suggest unit and axes for.
         file: PathBuf,

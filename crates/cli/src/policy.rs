@@ -16,8 +16,8 @@ use trolley::{Failure, FailureKind};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley policy check config/policies/*.toml
-  trolley policy check board.toml --curves my-curves.toml
-  trolley policy check board.toml --today 2027-01-01
+  trolley policy check worst-off-first config/curves/levels.toml
+  trolley policy check BOARD.toml --today 2027-01-01
 
 Refused are: unknown keys (age, sex and condition of persons by name), curves without unit or
 source, non-numbers, a severer injury likelier than a milder one, weights that are
@@ -32,8 +32,9 @@ Exit codes: 0 all is sound, 65 something is refused.";
 const MAP_EXAMPLES: &str = "\
 Examples:
   trolley policy map config/scenarios/demo.toml --policies config/policies
-  trolley policy map crash.toml --policies a.toml b.toml --curves c.toml d.toml -o crash.svg
-  trolley policy map crash.toml --policies a.toml -o crash.html --x speed=0.8..1.2 --y accepted
+  trolley policy map config/examples/crash.toml --policies default ego-only worst-off-first
+  trolley policy map config/examples/crash.toml --policies precaution -o crash.html --y accepted \\
+      --cells 3
 
 What can be varied:
   speed         the ego's speed, as a factor on it: the same ways in less time or more

@@ -30,6 +30,16 @@ pub(crate) fn out_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
     }
 }
 
+/// Prints a page of many; returns whether somebody reads on: a closed pipe is no error.
+pub(crate) fn page(text: &str) -> Result<bool, Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(failed(error)),
+        Ok(()) => Ok(true),
+    }
+}
+
 /// The failure to write to stdout.
 pub(crate) fn failed(error: std::io::Error) -> Failure {
     Failure::new(FailureKind::System, format!("cannot write the output: {error}"))

@@ -21,7 +21,7 @@ use trolley::{Failure, FailureKind, OpenDeployment, Scenario};
 #[cfg(feature = "lab")]
 macro_rules! repeated {
     () => {
-        "  trolley query D.toml S.toml --repeat 100000    latencies, compared with in-process\n"
+        "  trolley query DEPLOYMENT SCENARIO --repeat 100000   latencies, beside in-process\n"
     };
 }
 #[cfg(not(feature = "lab"))]
@@ -32,9 +32,9 @@ macro_rules! repeated {
 }
 
 pub(crate) const EXAMPLES: &str = concat!(
-    "Examples:
-  trolley query config/deployments/minimal.toml config/scenarios/wall-or-pole.toml
-  trolley query D.toml S.toml --json | jq .ranking[0].name
+    "Examples, beside `trolley serve config/deployments/minimal.toml`:
+  trolley query config/deployments/minimal.toml config/scenarios/wall-or-pole.toml --wait
+  trolley query config/deployments/minimal.toml config/scenarios/minimal.toml --json
 ",
     repeated!(),
     "
@@ -64,6 +64,10 @@ pub(crate) struct QueryArgs {
     /// or `--members`].
     #[arg(long, value_name = "N", requires = "members")]
     members_max: Option<i64>,
+    /// Wait up to this long for the service to start (s); without a number 10 s.
+    #[arg(long, value_name = "S", num_args = 0..=1, require_equals = true,
+          default_missing_value = "10")]
+    wait: Option<f64>,
     /// Treat parties of unknown kind as unoccupied and fixed to the ground.
     #[arg(long, value_name = "unknown=fixed")]
     assume: Option<Assume>,
@@ -182,8 +186,18 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
     }
     let patience = Duration::from_secs_f64(options.deadline_ms / 1000.0);
     let deployment = &opened.deployment;
-    let mut client =
-        Client::connect(deployment.folder.as_deref(), &deployment.instance, Waiting::Spin)?;
+    let connect =
+        || Client::connect(deployment.folder.as_deref(), &deployment.instance, Waiting::Spin);
+    let mut client = match options.wait {
+        None => connect()?,
+        Some(seconds) if seconds > 0.0 && seconds <= 3600.0 => {
+            connected(connect, Duration::from_secs_f64(seconds))?
+        }
+        Some(seconds) => {
+            let fault = format!("--wait={seconds}: out of range");
+            return Err(Failure::setting(fault).with_remedy("wait up to 3600 s"));
+        }
+    };
     #[cfg(feature = "lab")]
     if let Some(repeat) = options.repeat {
         let latency = ::lab::latency::run(&mut client, &ask, repeat, patience, &opened)?;
@@ -205,6 +219,29 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
             let fault = format!("{}: {}", verdict.name(), answer.text());
             Err(Failure::new(code(&answer), fault))
         }
+    }
+}
+
+/// Connects as soon as there is a service, within `patience`; else the last failure.
+#[expect(clippy::disallowed_methods, reason = "nothing announces a service that is not there yet")]
+fn connected<T, E: Into<Failure>>(
+    connect: impl Fn() -> Result<T, E>,
+    patience: Duration,
+) -> Result<T, Failure> {
+    /// Between two tries.
+    const STEP: Duration = Duration::from_millis(20);
+    let begun = std::time::Instant::now();
+    loop {
+        match connect().map_err(Into::into) {
+            Ok(client) => return Ok(client),
+            Err(failure) => {
+                let failure: Failure = failure;
+                if failure.kind() != FailureKind::TryAgain || begun.elapsed() >= patience {
+                    return Err(failure);
+                }
+            }
+        }
+        std::thread::sleep(STEP);
     }
 }
 
@@ -330,6 +367,8 @@ fn stated(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
         };
         let is_known = place.flags & flag::PERSON != 0;
         StatedRow {
+            // A service has no notes on what is implausible.
+            is_marked: false,
             name: name_of(scenario, place.candidate),
             meets: meets(scenario, place),
             worst: is_known.then(|| (who(), place.worst[1])),
@@ -344,6 +383,7 @@ fn over_members(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     let met = |met: &WireMet| (party(scenario, met.party), met.probability, met.from_s);
     let rows = answer.ranking().iter().filter_map(|place| place.expected().map(|of| (place, of)));
     ranking_table::expected(rows.map(|(place, of)| ranking_table::ExpectedRow {
+        is_marked: false,
         name: name_of(scenario, place.candidate),
         meets: of.listed().iter().map(met).collect(),
         more: (of.met_count as usize).saturating_sub(of.listed().len()),

@@ -22,7 +22,8 @@ use trolley::{
 /// The arguments of `rank`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RankArgs {
-    /// Scenario, TOML: see `trolley schema`; or traffic: CommonRoad or OpenSCENARIO, XML.
+    /// Scenario, TOML: see `trolley help keys`; or traffic: CommonRoad or OpenSCENARIO, XML; - for
+    /// a scenario on the standard input.
     scenario: PathBuf,
     #[command(flatten)]
     references: ReferenceArgs,
@@ -37,6 +38,9 @@ pub(crate) struct RankArgs {
     #[command(flatten)]
     options: EngineArgs,
 }
+
+/// What stands for the standard input.
+const STDIN: &str = "-";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -53,7 +57,10 @@ pub(crate) fn demo(
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    answer(Scenario::demo()?, asked, options, None, output)
+    let code = answer(Scenario::demo()?, asked, options, None, output)?;
+    output.say("Next: trolley init crash.toml && trolley rank crash.toml");
+    output.say("Next: trolley help tutorial");
+    Ok(code)
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
@@ -64,6 +71,12 @@ pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure
         trolley::files::check(page, Some(path))?;
     }
     let references = references.references();
+    if path == Path::new(STDIN) {
+        let text = trolley::read_text(Path::new("/dev/stdin"))?;
+        // Files that it names are sought from the current folder.
+        let scenario = Scenario::parse_with(STDIN, &text, references)?;
+        return answer(scenario, asked, options, drawn, output);
+    }
     if !trolley::traffic::is_traffic(path) {
         let scenario = Scenario::open_with(path, references)?;
         return answer(scenario, asked, options, drawn, output);
@@ -92,6 +105,7 @@ fn answer(
     if let Some(expiry) = expiry.filter(|_| !output.quiet) {
         print::err(&format!("warning: {expiry}"));
     }
+    options.check(&scenario.parsed().engine)?;
     let records = Records::prepare(asked, options)?;
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
@@ -101,6 +115,9 @@ fn answer(
     let limits = if drawn.is_some() { limits.with_explanation() } else { limits };
     let mut ranking = engine.rank_drawn(&scenario, &limits, &told, scene.as_mut())?;
     drop(progress);
+    if asked.strict {
+        trolley::check_plausible(&scenario, &ranking.answer)?;
+    }
     // The answer does not wait for the workers to end.
     if ranking.run.deadline.is_none() {
         ranking.run.stages.stop_ms = engine.stop_workers();

@@ -8,6 +8,8 @@ pub(crate) struct StatedRow<'a> {
     pub(crate) name: &'a str,
     /// Whom it meets, one a line.
     pub(crate) meets: String,
+    /// Its place may owe to what is hardly true.
+    pub(crate) is_marked: bool,
     /// Who is worst off, and that person's risk.
     pub(crate) worst: Option<(String, f64)>,
     /// The leading measure as far as the work is done: lo, hi.
@@ -23,6 +25,8 @@ pub(crate) struct ExpectedRow<'a> {
     pub(crate) meets: Vec<(&'a str, f64, f64)>,
     /// How many more it meets.
     pub(crate) more: usize,
+    /// As in [`StatedRow::is_marked`].
+    pub(crate) is_marked: bool,
     /// How many members are not followed to their end.
     pub(crate) open: u32,
     /// As in [`StatedRow::work`].
@@ -57,7 +61,7 @@ pub(crate) fn stated<'a>(rows: impl Iterator<Item = StatedRow<'a>>) -> String {
         table.add_row([
             (at + 1).to_string(),
             row.name.to_owned(),
-            row.meets,
+            row.meets + mark(row.is_marked),
             worst,
             harm(row.work),
             range(row.range),
@@ -82,7 +86,7 @@ pub(crate) fn expected<'a>(rows: impl Iterator<Item = ExpectedRow<'a>>) -> Strin
         table.add_row([
             (at + 1).to_string(),
             row.name.to_owned(),
-            expected_meets(&row),
+            expected_meets(&row) + mark(row.is_marked),
             harm,
             spread(&|s| range(s.outer)),
             range(row.range),
@@ -91,6 +95,11 @@ pub(crate) fn expected<'a>(rows: impl Iterator<Item = ExpectedRow<'a>>) -> Strin
         ]);
     }
     lines(table, &[0, 6, 7])
+}
+
+/// The line below whom a candidate meets, if it is marked.
+fn mark(is_marked: bool) -> &'static str {
+    if is_marked { "\n! implausible, see below" } else { "" }
 }
 
 /// "pole 25 % from 1.32 s" for each party, one a line.
@@ -220,6 +229,7 @@ mod tests {
     #[test]
     fn what_is_not_known_is_a_dash_and_what_is_open_is_said() {
         let row = |spread: Option<Spread>, worlds: Option<f64>, open: u32| ExpectedRow {
+            is_marked: false,
             name: "brake",
             meets: vec![("pole", 0.25, 1.5)],
             more: 2,

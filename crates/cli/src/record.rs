@@ -23,7 +23,7 @@ Examples:
   trolley demo --record decisions
   trolley record verify decisions
   trolley record show decisions/000000.record
-  trolley record replay decisions/000000.record --models bodies
+  trolley record replay decisions
 
 Signed with a key of openssl, and checked:
   openssl genpkey -algorithm ed25519 -out key.pem
@@ -56,10 +56,10 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "COPY")]
         head: Option<PathBuf>,
     },
-    /// Compute the recorded answer again and compare it, byte for byte.
+    /// Compute recorded answers again and compare them, byte for byte.
     #[command(after_help = EXAMPLES)]
     Replay {
-        /// A decision record.
+        /// A decision record, or a folder of them.
         file: PathBuf,
         /// Folder with the record's model files, which are found by their hash.
         #[arg(long, value_name = "DIR")]
@@ -81,9 +81,33 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         }
         Verb::Replay { file, models, scenario, references } => {
             let named = scenario.as_deref().map(|path| (path, references.references()));
-            replay(file, models.as_deref(), named, output)
+            for record in records(file)? {
+                replay(&record, models.as_deref(), named, output)?;
+            }
+            Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// The records of a folder, in their order, or the one record that is named.
+fn records(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let wrong = |error: std::io::Error| Failure::input(error.to_string()).at(path.display());
+    let mut records = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(wrong)? {
+        let entry = entry.map_err(wrong)?.path();
+        if entry.extension().is_some_and(|end| end == "record") {
+            records.push(entry);
+        }
+    }
+    records.sort();
+    if records.is_empty() {
+        let failure = Failure::input("there is no record in it").at(path.display());
+        return Err(failure.with_remedy("make one: trolley rank SCENARIO --record DIR"));
+    }
+    Ok(records)
 }
 
 /// What was found in records, or in decisions.
@@ -170,7 +194,7 @@ fn replay(
     models: Option<&Path>,
     scenario: Option<(&Path, References)>,
     output: &Output,
-) -> Result<ExitCode, Failure> {
+) -> Result<(), Failure> {
     let record = Record::read(path)?;
     if let Some((scenario, allowed)) = scenario {
         check(&record, path, scenario, allowed)?;
@@ -199,7 +223,7 @@ fn replay(
             record.content.all_jobs().count()
         ))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Checks that a scenario file, and what it names, is what was recorded.

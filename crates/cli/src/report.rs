@@ -12,7 +12,7 @@ use trolley::Failure;
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley demo --record decisions && trolley report decisions/000000.record --out demo.html
-  trolley report decisions/000000.record --models bodies --out crash.html --glb meshes --png stills
+  trolley report decisions/000000.record --out demo.html --glb meshes --png stills
   trolley report tools/results/measure --out measure.html
 
 The page is a single file and needs no network.";

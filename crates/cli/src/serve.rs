@@ -10,9 +10,9 @@ use trolley::{Failure, FailureKind, Greeting, Idle, OpenDeployment, ServeOptions
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
-  trolley serve config/deployments/minimal.toml            in one terminal, and in another:
-  trolley query config/deployments/minimal.toml config/scenarios/minimal.toml
-  trolley serve /etc/trolley/deployment.toml --require-rt  as the systemd unit does
+  trolley serve config/deployments/minimal.toml              in one terminal, and in another:
+  trolley query config/deployments/minimal.toml config/scenarios/minimal.toml --wait
+  trolley serve DEPLOYMENT.toml --require-rt                 as the systemd unit does
   trolley serve config/deployments/minimal.toml --supervise  without systemd
 
 SIGTERM, SIGINT, SIGQUIT and SIGHUP end it within 2 s, whatever hangs; nothing is left in shared \

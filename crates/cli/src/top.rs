@@ -74,16 +74,15 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
                 .with_remedy("it was killed or hangs: run systemctl status trolley"));
         };
         let rate = rate(before.as_ref(), &health);
-        if output.json {
-            let document = document(&health, rate);
-            let text = print::line(&document)?;
-            print::out(&text)?;
+        let text = if output.json {
+            print::line(&document(&health, rate))?
         } else {
             let page = page(&health, rate, &deployment.instance);
-            print::out(&if clears { format!("\x1b[H\x1b[2J{page}") } else { page })?;
-        }
+            if clears { format!("\x1b[H\x1b[2J{page}") } else { page }
+        };
+        let is_read = print::page(&format!("{}\n", text.trim_end_matches('\n')))?;
         shown += 1;
-        if health.condition == Condition::Stopping as u32 {
+        if !is_read || health.condition == Condition::Stopping as u32 {
             break;
         }
         before = Some(health);

@@ -11,10 +11,12 @@ use trolley::{Failure, References};
 
 const EXAMPLES: &str = "\
 Examples:
-  trolley scenario import DEU_Gar-1_1_T-1.xml -o gar.toml && trolley rank gar.toml
-  trolley scenario import crossing.xml --at 2.5 --brakes 0,8 --laterals=-4,0,4
-  trolley scenario import cut-in.xosc --catalog VehicleCatalog.xosc
-  trolley rank crossing.xml --solution mine.xml --solution theirs.xml
+  trolley scenario import config/examples/crossing.xml -o crossing.toml
+  trolley rank crossing.toml
+  trolley scenario import config/examples/crossing.xml --at 0.5 --brakes 0,8 --laterals=-4,0,4
+  trolley scenario import config/examples/walker.xosc
+  trolley scenario import FILE.xosc --catalog CATALOG.xosc
+  trolley rank config/examples/crossing.xml --solution config/examples/braking.xml
 
 Reads CommonRoad 2018b and 2020a, and OpenSCENARIO 1.x where it states world positions. Without -o,
 prints the scenario.";

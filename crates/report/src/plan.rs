@@ -187,12 +187,14 @@ fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &m
         format!("The policy “{}”; harm is its leading measure.", bdi(&answer.policy)),
     );
     body.push_str("</dl>");
+    let implausible =
+        answer.implausible.iter().map(|one| format!("Implausible: {}", one.sentence()));
     let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
     let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
     let remarks = work.remarks.iter().map(|text| format!("Note: {text}."));
     let notes = answer.notes.iter().filter(|note| !note.is_refusal());
     let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
-    for remark in missing.chain(assumed).chain(notes).chain(remarks) {
+    for remark in implausible.chain(missing).chain(assumed).chain(notes).chain(remarks) {
         let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
     }
     body.push_str("</header>");

@@ -1,4 +1,6 @@
-//! An allocator that counts: the system's, and a number per thread.
+//! An allocator that counts: the system's, and a number per thread. If the system has no memory,
+//! it says so and ends the process with the exit code of resources that ran out, instead of an
+//! abort with a trace: no part of the program could go on.
 //!
 //! ```
 //! # use trolley_runtime::heap::{Counting, allocations};
@@ -11,6 +13,7 @@
 //! ```
 
 use core::cell::Cell;
+use diagnostic::FailureKind;
 use std::alloc::{GlobalAlloc, Layout, System};
 
 /// The system's allocator, with a count of what each thread asks of it.
@@ -20,6 +23,52 @@ pub struct Counting;
 thread_local! {
     // Without a destructor and made when compiling: to touch it never allocates.
     static COUNT: Cell<u64> = const { Cell::new(0) };
+    /// Whether whoever allocates here can go on without.
+    static MAY_FAIL: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does something that can go on if it gets no memory, as with [`Vec::try_reserve`].
+pub(crate) fn fallible<T>(work: impl FnOnce() -> T) -> T {
+    let before = MAY_FAIL.with(|may| may.replace(true));
+    let done = work();
+    MAY_FAIL.with(|may| may.set(before));
+    done
+}
+
+/// The place, if there is one.
+fn found(place: *mut u8, bytes: usize) -> *mut u8 {
+    if place.is_null() && !MAY_FAIL.try_with(Cell::get).unwrap_or(false) {
+        out_of_memory(bytes);
+    }
+    place
+}
+
+/// Ends the process, without allocating anything.
+#[cold]
+fn out_of_memory(bytes: usize) -> ! {
+    let mut digits = [0_u8; 20];
+    let mut from = digits.len();
+    let mut rest = bytes;
+    for place in (0..digits.len()).rev() {
+        from = place;
+        digits[place] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    let parts: [&[u8]; 3] = [
+        b"error: out of memory: memory allocation of ",
+        &digits[from..],
+        b" bytes failed\n  help: allow more (ulimit -v, the limits of a container), or make the \
+          bodies smaller\n",
+    ];
+    for part in parts {
+        // SAFETY: the part is memory of its length. If stderr is gone, nobody can be told.
+        let _told = unsafe { libc::write(libc::STDERR_FILENO, part.as_ptr().cast(), part.len()) };
+    }
+    // SAFETY: it ends the process, and runs nothing that could need memory.
+    unsafe { libc::_exit(i32::from(FailureKind::Resources.exit_code())) }
 }
 
 /// How often the calling thread has asked for memory: new or larger. It stays at 0 if [`Counting`]
@@ -39,13 +88,13 @@ unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
         // SAFETY: the caller keeps to the contract of this very call.
-        unsafe { System.alloc(layout) }
+        found(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         count();
         // SAFETY: as above.
-        unsafe { System.alloc_zeroed(layout) }
+        found(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
@@ -56,6 +105,6 @@ unsafe impl GlobalAlloc for Counting {
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
         // SAFETY: as above.
-        unsafe { System.realloc(place, layout, size) }
+        found(unsafe { System.realloc(place, layout, size) }, size)
     }
 }

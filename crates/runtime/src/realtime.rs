@@ -4,6 +4,7 @@
 //! was refused is said; whether that matters is for the caller to decide.
 
 use crate::error::{OsError, Result};
+use crate::heap;
 use rustix::mm::MlockAllFlags;
 use std::hint::black_box;
 
@@ -117,7 +118,7 @@ pub fn share_heap(soon: usize) -> Soon {
     #[cfg(target_env = "gnu")]
     tune((libc::M_ARENA_MAX, 1));
     let mut room: Vec<u8> = Vec::new();
-    if room.try_reserve_exact(soon).is_err() {
+    if heap::fallible(|| room.try_reserve_exact(soon)).is_err() {
         return Soon::default();
     }
     // The advice stays with the addresses when they are freed, and the heap keeps those.

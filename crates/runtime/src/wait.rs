@@ -214,7 +214,7 @@ impl Poller {
     }
 
     /// Reports SIGINT, SIGTERM, SIGQUIT and SIGHUP instead of dying of them, until the poller is
-    /// dropped. SIGHUP stays ignored where it was (nohup(1)).
+    /// dropped. All but SIGTERM stay ignored where they were: by nohup(1), or by a script's `&`.
     ///
     /// They are blocked in the calling thread and in the threads that it starts from now on. A
     /// thread that was started before still dies of them, and takes the process along: call this

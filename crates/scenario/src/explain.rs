@@ -37,7 +37,11 @@ const TRAITS: &[&str] = &[
 pub(crate) fn explain(objection: &Objection) -> (String, String) {
     let message = one_line(&objection.message);
     let Some(path) = &objection.path else {
-        let help = "a scenario is TOML: key = value lines under [table] headers, text in quotes";
+        let help = if message.ends_with("a second time") {
+            "leave one of them out: each key and each table stands once"
+        } else {
+            "a scenario is TOML: key = value lines under [table] headers, text in quotes"
+        };
         return (shortened(&message), help.to_owned());
     };
     if message.starts_with("unknown field") {

@@ -21,6 +21,8 @@
 //! - Every motion of a [`Scenario`] lasts from 0 to its horizon, and those of one party
 //!   begin at one pose: `scenario/tests/rules.rs`. A turn is within [`CIRCLE_ERROR_M`] of its
 //!   circle: `scenario/path/tests.rs`.
+//! - What is usual is never called implausible, and what is far beyond always is:
+//!   `plausibility/tests.rs`.
 //! - Persons carry a seat, or how many they are, and nothing else. Age, sex and condition are
 //!   refused by the schema.
 //!
@@ -44,10 +46,12 @@ mod error;
 mod explain;
 mod fault;
 mod fields;
+mod key_reference;
 mod limit;
 pub mod live;
 pub mod members;
 mod names;
+pub mod plausibility;
 mod raw;
 mod rules;
 mod scenario;
@@ -59,7 +63,9 @@ pub use decimal::decimal;
 pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
+pub use key_reference::key_reference;
 pub use members::{Errors, MemberDraw, Members, PartyDraw};
+pub use plausibility::{Implausible, LoadedBody, implausible, unmet};
 pub use rules::capacity;
 pub use scenario::{
     CANDIDATES_MAX, CIRCLE_ERROR_M, Candidate, FileRef, GivenMotion, GivenState, Motion, Name,

@@ -14,9 +14,13 @@ use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 /// ```
 #[must_use]
 pub fn schema() -> String {
+    format!("{:#}\n", value().as_value())
+}
+
+/// The schema as a value.
+pub(crate) fn value() -> Schema {
     let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(tidy));
-    let schema = settings.into_generator().into_root_schema_for::<raw::Scenario>();
-    format!("{:#}\n", schema.as_value())
+    settings.into_generator().into_root_schema_for::<raw::Scenario>()
 }
 
 /// Descriptions on one line; no null, since TOML leaves out what is optional.

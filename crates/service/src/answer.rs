@@ -173,6 +173,7 @@ mod tests {
                 assumptions: Vec::new(),
                 settled_places: 0,
                 missing: Vec::new(),
+                implausible: Vec::new(),
                 members: None,
                 worlds: None,
             };

@@ -125,8 +125,13 @@ impl OpenDeployment {
     /// If a file cannot be read, leads out of the folder or is not valid, or the curves lack the
     /// policy's outcome.
     pub fn criteria(&self) -> Result<Criteria, Failure> {
+        let named = |part: &Part, path: &Path| {
+            let place = || format!("{}: {}", self.file.display(), part.key);
+            part.of_name(path).map_err(|failure| failure.at(place()))
+        };
         let read = |part: &Part, path: &Option<PathBuf>| match path {
             None => Ok(part.shipped()),
+            Some(path) if let Some(named) = named(part, path)? => Ok(named),
             Some(path) => part.read(&self.checked(part.key, path)?),
         };
         let Deployment { policy, curves, parameters, .. } = &self.deployment;

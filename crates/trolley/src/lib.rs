@@ -160,10 +160,12 @@ pub mod doctor;
 mod engine;
 pub mod explanation;
 pub mod files;
+pub mod init;
 pub mod intersect;
 pub mod kernel;
 mod limits;
 pub mod model;
+mod plausibility;
 pub mod policy;
 pub mod poses;
 pub mod record;
@@ -481,6 +483,18 @@ pub use diagnostic::Diagnostic;
 /// ```
 pub use diagnostic::Failure;
 
+/// Something that a scenario states, that is allowed and hardly true: [`Answer::implausible`].
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let answer = engine.rank(&scenario, &trolley::Limits::default())?.answer;
+/// let says = |one: &trolley::Implausible| one.says.clone();
+/// assert_eq!(answer.implausible.iter().map(says).collect::<Vec<_>>(), [""; 0]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+#[doc(no_inline)]
+pub use ::scenario::Implausible;
 /// The kind of a [`Failure`], which is an exit code too.
 ///
 /// ```
@@ -494,6 +508,7 @@ pub use diagnostic::Failure;
 pub use diagnostic::FailureKind;
 pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
 pub use limits::Limits;
+pub use plausibility::check_plausible;
 
 /// Settings of the engine that replace those of a scenario.
 ///
@@ -542,7 +557,7 @@ pub use serve::{Greeting, ServeOptions, serve, supervise};
 /// assert_eq!(Idle::default(), Idle::Park);
 /// ```
 pub use service::Idle;
-pub use texts::{SourceText, Texts, read_text};
+pub use texts::{SourceText, Texts, policy_names, read_text};
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// Name of this build: its version, and a hash of its sources. Both ends of every channel carry it,

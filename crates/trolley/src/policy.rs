@@ -9,7 +9,7 @@
 //! # Ok::<(), trolley::Failure>(())
 //! ```
 
-use crate::files::{self, InputKind};
+use crate::texts;
 use crate::{Failure, References, SourceText};
 use damage::curve::Level;
 use damage::injury::Victim;
@@ -174,11 +174,7 @@ pub fn check_with<P: AsRef<Path>>(
     files: &[P],
     options: &CheckOptions<'_>,
 ) -> Result<Vec<CheckedFile>, Failure> {
-    let text = |path: &Path| {
-        let text = files::text(path, InputKind::Curves)?;
-        Ok::<_, Failure>(SourceText { name: path.display().to_string(), text })
-    };
-    let given = options.curves.map(text).transpose()?;
+    let given = options.curves.map(|path| texts::CURVES.named_by_user(path)).transpose()?;
     let curves = match &given {
         None => Curves::shipped(),
         Some(given) => Curves::parse(&given.name, &given.text),
@@ -218,8 +214,9 @@ fn check_file(path: &Path, curves: &Curves) -> (CheckedFile, Option<(SourceText,
             }
         }
     };
-    let text = match files::text(path, InputKind::Policy) {
-        Ok(text) => text,
+    // Policies and curves are no longer than each other.
+    let text = match texts::POLICY.named_by_user(path) {
+        Ok(SourceText { text, .. }) => text,
         Err(failure) => return (file_of("file", Err(failure)), None),
     };
     if text.lines().any(|line| line.trim_start().starts_with("[[curve]]")) {

@@ -170,6 +170,10 @@ impl Scenario {
         let parsed = finish(name, draft, &files)?;
         let read = |part: &Part, reference: &Option<FileRef>| {
             let Some(FileRef { path, place }) = reference else { return Ok(part.shipped()) };
+            let named = part.of_name(path.as_ref());
+            if let Some(named) = named.map_err(|failure| failure.at(format!("{name}:{place}")))? {
+                return Ok(named);
+            }
             references.check(file, &format!("{name}:{place}: {}", part.key), path.as_ref())?;
             let read = part.read(&beside(file, path.as_ref()));
             read.map_err(|failure| failure.at(format!("{name}:{place}")))

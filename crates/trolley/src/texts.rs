@@ -64,24 +64,39 @@ pub(crate) struct Part {
     kind: InputKind,
     /// Name and text of the built-in one.
     shipped: (&'static str, &'static str),
+    /// Names and texts of all that ship.
+    named: &'static [(&'static str, &'static str)],
 }
 
 pub(crate) const POLICY: Part = Part {
     key: "policy",
     kind: InputKind::Policy,
     shipped: ("config/policies/default.toml", DEFAULT_POLICY),
+    named: &[
+        ("default", DEFAULT_POLICY),
+        ("acceptable-or-brake", include_str!("../config/policies/acceptable-or-brake.toml")),
+        ("ego-only", include_str!("../config/policies/ego-only.toml")),
+        ("precaution", include_str!("../config/policies/precaution.toml")),
+        ("uninvolved-first", include_str!("../config/policies/uninvolved-first.toml")),
+        ("vulnerable-first", include_str!("../config/policies/vulnerable-first.toml")),
+        ("weighted", include_str!("../config/policies/weighted.toml")),
+        ("worst-case-averse", include_str!("../config/policies/worst-case-averse.toml")),
+        ("worst-off-first", include_str!("../config/policies/worst-off-first.toml")),
+    ],
 };
 
 pub(crate) const CURVES: Part = Part {
     key: "curves",
     kind: InputKind::Curves,
     shipped: ("config/curves/default.toml", DEFAULT_CURVES),
+    named: &[("default", DEFAULT_CURVES), ("levels", include_str!("../config/curves/levels.toml"))],
 };
 
 pub(crate) const PARAMETERS: Part = Part {
     key: "parameters",
     kind: InputKind::Parameters,
     shipped: ("config/parameters/default.toml", DEFAULT_PARAMETERS),
+    named: &[("default", DEFAULT_PARAMETERS)],
 };
 
 impl Part {
@@ -95,6 +110,41 @@ impl Part {
     pub(crate) fn read(&self, path: &Path) -> Result<SourceText, Failure> {
         let text = files::text(path, self.kind)?;
         Ok(SourceText { name: path.display().to_string(), text })
+    }
+
+    /// The one that ships under a name. A path, which has a dot or a slash, is no name.
+    ///
+    /// # Errors
+    ///
+    /// If what looks like a name is none, and no file either.
+    pub(crate) fn of_name(&self, written: &Path) -> Result<Option<SourceText>, Failure> {
+        let Some(name) = written.to_str().filter(|name| !name.contains(['.', '/'])) else {
+            return Ok(None);
+        };
+        if let Some((_, text)) = self.named.iter().find(|(known, _)| *known == name) {
+            let file = format!("{}/{name}.toml", self.folder());
+            return Ok(Some(SourceText { name: file, text: (*text).to_owned() }));
+        }
+        if written.exists() {
+            return Ok(None);
+        }
+        let known: Vec<&str> = self.named.iter().map(|(known, _)| *known).collect();
+        let key = self.key;
+        Err(Failure::input(format!(
+            "no {key} of the name \"{name}\" ships, and there is no such file"
+        ))
+        .with_remedy(format!("write a path, or one of: {}", known.join(", "))))
+    }
+
+    /// The one in a file that a user names; if there is no such file, the one of that name.
+    pub(crate) fn named_by_user(&self, path: &Path) -> Result<SourceText, Failure> {
+        let named = if path.exists() { None } else { self.of_name(path)? };
+        named.map_or_else(|| self.read(path), Ok)
+    }
+
+    /// Where what ships lies in a checkout.
+    fn folder(&self) -> &'static str {
+        self.shipped.0.rsplit_once('/').map_or("", |(folder, _)| folder)
     }
 }
 
@@ -115,6 +165,15 @@ pub(crate) fn criteria(
     covered.map_err(|missing| Failure::input(missing.to_string()))?;
     let (policy, curves) = (Arc::new(policy), Arc::new(curves));
     Ok(Criteria { policy, curves, parameters: Arc::new(parameters) })
+}
+
+/// The names of the policies that ship: what `policy = "…"` may say beside a path.
+///
+/// ```
+/// assert!(trolley::policy_names().any(|name| name == "worst-off-first"));
+/// ```
+pub fn policy_names() -> impl Iterator<Item = &'static str> {
+    POLICY.named.iter().map(|(name, _)| *name)
 }
 
 /// Reads a text of the length of a scenario: see [`files::text`].

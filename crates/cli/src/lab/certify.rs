@@ -18,7 +18,7 @@ Examples:
   trolley certify bounds --stops 100000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
-  trolley certify budget --body sedan.trolley --body suv.trolley
+  trolley certify budget --body sedan:20000 --body suv:20000
   trolley certify members --scenes 12 config/scenarios/crossing.toml";
 
 /// What to measure.

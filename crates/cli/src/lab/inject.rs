@@ -38,6 +38,10 @@ pub(crate) fn run(args: &InjectArgs, output: &Output) -> Result<ExitCode, Failur
     let references = references.references();
     let program = std::env::current_exe()
         .map_err(|error| Failure::new(FailureKind::System, format!("this program: {error}")))?;
+    output.say(
+        "processes are made to fail: what they say then, as \"fatal runtime error: stack \
+         overflow\", is theirs, and part of the plan",
+    );
     let progress = output.progress("faults");
     let told = |done, total| progress.set(done, total);
     let injected = inject(&InjectOptions { plan, references, seed, junit, program }, &told)?;

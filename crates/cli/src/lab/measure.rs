@@ -18,10 +18,11 @@ use trolley::{Failure, Limits, SearchOrder};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley measure --quick --out results
-  trolley measure --pair sedan:100000,suv:100000,deep --pair sedan:100000,suv:100000,scratch
-  trolley measure --pair sedan.trolley,suv.trolley,deep --out results
+  trolley measure --pair sedan:20000,suv:20000,deep --pair sedan:20000,suv:20000,scratch \\
+      --out results
+  trolley measure --pair A.trolley,B.trolley,deep --out results
   trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
-  trolley measure --scenario crash.toml --scheme lowest-match --job-log jobs.csv --json
+  trolley measure --scenario config/examples/crash.toml --scheme lowest-match --job-log jobs.csv
 
 A pair is A,B,POSES. Bodies are model files, or shape:triangles for generated ones. Poses are a file
 (six lines, as for trolley intersect), or deep or scratch: B approaches from sixteen directions

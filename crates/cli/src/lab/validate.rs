@@ -10,8 +10,8 @@ use trolley::{Failure, FailureKind, files};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley validate config/orderings
-  trolley validate tests.json config/orderings --page impact.md
-  trolley validate tests.json --parameters mine.toml --json
+  trolley validate config/orderings --parameters config/parameters/default.toml --json
+  trolley validate TESTS.json config/orderings --page impact.md
 
 A file of crash tests is JSON: a list of tests with id, group, size_m [length, width], mass_kg,
 speed_m_s, dv_m_s (measured), and angle_deg along a barrier, or object and overlap. A file of

@@ -35,6 +35,10 @@ pub struct Answer {
     pub settled_places: usize,
     /// What is missing: one sentence per candidate that is not fully known.
     pub missing: Vec<String>,
+    /// What the scenario states that is allowed and hardly true; whoever knows the loaded bodies
+    /// and the whole scenario fills it in.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub implausible: Vec<scenario::Implausible>,
     /// The members that harm is the mean of; `None`: it is that of the scene as stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub members: Option<MembersRow>,
@@ -241,6 +245,7 @@ pub(super) fn written(
         assumptions: assumptions(scenery, people, is_drawn),
         settled_places: ranking.settled,
         missing: open.collect(),
+        implausible: Vec::new(),
         members: None,
         worlds: None,
     }

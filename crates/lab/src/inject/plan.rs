@@ -49,8 +49,17 @@ impl Plan {
 
     fn parse(path: &Path, text: &str) -> Result<Self, Failure> {
         let name = path.display();
-        let written: Written =
-            toml::from_str(text).map_err(|error| Failure::input(format!("{name}: {error}")))?;
+        let written: Written = toml::from_str(text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            let key = error.span().and_then(|span| text.get(span)).unwrap_or_default().trim();
+            let fault = match error.message() {
+                "duplicate key" => format!("\"{key}\" stands here a second time"),
+                other => other.replace('\n', ", "),
+            };
+            Failure::input(format!("{name}:{line}: {fault}"))
+                .with_remedy("config/faults/campaign.toml has every key")
+        })?;
         let refuse = |fault: String, help: String| {
             Err(Failure::input(format!("{name}: {fault}")).with_remedy(help))
         };

@@ -72,13 +72,12 @@ pub(crate) fn take(fd: BorrowedFd<'_>) -> Option<i32> {
     i32::try_from(u32::from_ne_bytes(*number)).ok()
 }
 
-/// The signals that end a process. SIGHUP is not among them where it is ignored (nohup(1)).
+/// The signals that end a process: SIGTERM, and SIGINT, SIGQUIT and SIGHUP unless they were
+/// inherited as ignored, as by nohup(1), or by what a script starts with `&`.
 pub(crate) fn ending() -> Vec<i32> {
-    let mut numbers = vec![libc::SIGINT, libc::SIGTERM, libc::SIGQUIT];
-    if !is_ignored(libc::SIGHUP) {
-        numbers.push(libc::SIGHUP);
-    }
-    numbers
+    let asked = [libc::SIGINT, libc::SIGQUIT, libc::SIGHUP];
+    let heard = asked.into_iter().filter(|number| !is_ignored(*number));
+    heard.chain([libc::SIGTERM]).collect()
 }
 
 impl Drop for Signals {

@@ -26,12 +26,12 @@ pub(crate) struct Scenario {
     /// What people call the scenario.
     #[schemars(length(min = limit::NAME_CHARS.least, max = limit::NAME_CHARS.most))]
     pub(crate) name: String,
-    /// Policy file, relative to this file and in its folder (else: --allow-outside). Default: the
-    /// policy that comes with the program.
+    /// Name of a policy that ships (`trolley help policies`), or a file, relative to this file and
+    /// in its folder (else: --allow-outside). Default: "default".
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) policy: Option<String>,
-    /// File of injury risk curves, relative to this file and in its folder. Default: the curves of
-    /// the program.
+    /// Name of a set of injury risk curves that ships, or a file, relative to this file and in its
+    /// folder. Default: "default".
     #[schemars(length(min = limit::PATH_BYTES.least, max = limit::PATH_BYTES.most))]
     pub(crate) curves: Option<String>,
     /// File of parameters of contact and dynamics, relative to this file and in its folder.

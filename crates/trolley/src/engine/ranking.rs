@@ -5,6 +5,7 @@ use super::{Begun, Engine, Recorded, applied};
 use crate::Failure;
 use crate::bodies::{OnProgress, PartyBody, SILENT};
 use crate::limits::Limits;
+use crate::plausibility;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
 use body::BodyKind;
@@ -124,6 +125,8 @@ impl Engine {
         let begun = self.begin(&subject, &settings, request_limits.deadline_ns, progress)?;
         let Begun { loaded, mut backend, run, loaded_ns, started_ns } = begun;
         let views = loaded.bodies.views()?;
+        // Before the clock of a deadline starts.
+        let implausible = plausibility::of_scenario(parsed, &views, &models);
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
         let (shells, criteria) = (&loaded.shells[..], scenario.criteria().clone());
@@ -140,6 +143,7 @@ impl Engine {
         // Workers that could not finish are not used again.
         let RankedCourses { answer, effort, reports, history, explanation, scene } =
             coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
+        let answer = plausibility::stated(answer, implausible);
         if let (Some(drawn), Some(scene)) = (drawn, scene) {
             *drawn = scene;
         }

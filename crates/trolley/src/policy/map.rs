@@ -19,8 +19,8 @@
 //! ```
 
 use crate::bodies::OnProgress;
-use crate::files::{self, InputKind};
 use crate::policy::{expiry, today};
+use crate::texts;
 use crate::{
     Answer, AnswerState, Engine, Failure, Limits, References, Scenario, SourceText, Until,
 };
@@ -161,17 +161,13 @@ pub fn map(
         return Err(Failure::setting(fault).with_remedy("write --cells 21"));
     }
     let scenario = Scenario::open_with(scenario, request.references)?.without_deadline();
-    let source = |path: &PathBuf, kind| {
-        let text = files::text(path, kind)?;
-        Ok::<_, Failure>(SourceText { name: path.display().to_string(), text })
-    };
     let mut policies = Vec::new();
     for path in policy_files(&request.policies)? {
-        policies.push(source(&path, InputKind::Policy)?);
+        policies.push(texts::POLICY.named_by_user(&path)?);
     }
     let mut curves = Vec::new();
     for path in &request.curves {
-        curves.push(source(path, InputKind::Curves)?);
+        curves.push(texts::CURVES.named_by_user(path)?);
     }
     let policies = if policies.is_empty() { vec![scenario.texts.policy.clone()] } else { policies };
     let curves = if curves.is_empty() { vec![scenario.texts.curves.clone()] } else { curves };

@@ -2,6 +2,7 @@
 
 use super::{Record, line};
 use crate::bodies::{Bodies, OnProgress, PartyBody};
+use crate::plausibility;
 use crate::scenario::Scenario;
 use crate::texts::{SourceText, Texts};
 use crate::{BUILD, Failure, FailureKind};
@@ -136,6 +137,8 @@ impl Record {
         let history = CourseHistory { until, search, rounds, open_looks };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
         let RankedCourses { answer, explanation, effort, scene, .. } = ranked;
+        let implausible = plausibility::of_scenario(parsed, &views, &numbers);
+        let answer = plausibility::stated(answer, implausible);
         let jobs = effort.jobs_in_process;
         let json = line(&answer)?;
         drop((all, views));
