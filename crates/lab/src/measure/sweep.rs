@@ -232,6 +232,7 @@ impl Sweep<'_> {
                 queues: QUEUES,
                 cache: Cache::Unlimited,
                 copies: false,
+                paging: None,
             };
             let predicted = simulate::run(&alone.trace, &self.costs, &setup);
             let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
@@ -372,7 +373,7 @@ impl Sweep<'_> {
     fn simulate(&mut self, way: Way, alone: &Alone, home: Home) {
         let Way { workers, matching, queues, cache, .. } = way;
         let copies = way.transfer == TransferMode::Copy;
-        let setup = Setup { workers, home, matching, queues, cache, copies };
+        let setup = Setup { workers, home, matching, queues, cache, copies, paging: None };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
         let mode = match home {
             Home::Own => Mode::SimulatedOwnCore,
