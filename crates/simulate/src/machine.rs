@@ -1,7 +1,7 @@
 //! A machine of virtual cores that runs a trace.
 
 use crate::costs::Costs;
-use crate::paging::{Paging, Pager};
+use crate::paging::{Pager, Paging};
 use crate::trace::{JobTrace, Replay, Trace, Weights};
 use dispatch::{
     Cache, Counts, Dispatcher, Effect, Event, MatchScheme, Matching, Progress, Queues, Thrash,
@@ -212,26 +212,28 @@ impl Machine<'_> {
             let weight = |section: &_| dispatch::JobSource::weight(&self.replay, *section);
             let fetched: u64 = fetch.iter().map(weight).sum();
             self.received[usize::from(to.worker)] += fetched;
-            let loaded = if self.copies { fetched as f64 } else { 0.0 };
+            let (loaded, sections) =
+                if self.copies { (fetched as f64, fetch.len() as f64) } else { (0.0, 0.0) };
             self.work(
                 self.costs.batch_ns
                     + self.costs.place_ns * jobs.len() as f64
-                    + self.costs.ship_byte_ns * loaded,
+                    + self.costs.ship_byte_ns * loaded
+                    + self.costs.ship_section_ns * sections,
             );
             let arrives_ns = self.now_ns + self.costs.flight_ns;
             let server = &mut self.servers[usize::from(to.worker)];
             server.free_ns = server.free_ns.max(arrives_ns);
             // The sections of a batch are loaded by its jobs; which of them does not matter here.
-            let load_ns = self.costs.section_byte_ns * loaded / jobs.len() as f64;
+            let load_ns = (self.costs.section_byte_ns * loaded + self.costs.section_ns * sections)
+                / jobs.len() as f64;
             for &(job, attempt) in &jobs {
                 let JobTrace { nb, np, hits, a, b } = *self.jobs[job.0 as usize];
-                let swapped_ns = self.pager.as_mut().map_or(0.0, |pager| {
-                    pager.need(usize::from(to.worker), [a, b], &fetch)
-                });
-                let ns = self.costs.kernel_ns(nb, np, hits)
-                    + self.costs.send_ns
-                    + load_ns
-                    + swapped_ns;
+                let swapped_ns = self
+                    .pager
+                    .as_mut()
+                    .map_or(0.0, |pager| pager.need(usize::from(to.worker), [a, b], &fetch));
+                let ns =
+                    self.costs.kernel_ns(nb, np, hits) + self.costs.send_ns + load_ns + swapped_ns;
                 server.free_ns += ns;
                 server.busy_ns += ns;
                 server.sent.push_back((server.free_ns, job, attempt));

@@ -1,8 +1,8 @@
 //! Virtual memory: what a core holds beyond its memory lies on a slower medium.
 //!
-//! A core keeps every section that it was sent. The most recently needed ones are in memory; one that
-//! is needed and is not there comes in, and what arrives when memory is full pushes out as much,
-//! which is written once. A section larger than the memory never stays in it.
+//! A core keeps every section that it was sent. The most recently needed ones are in memory; one
+//! that is needed and is not there comes in, and what arrives when memory is full pushes out as
+//! much, which is written once. A section larger than the memory never stays in it.
 
 use dispatch::{Cache, CacheModel};
 use protocol::Section;
@@ -30,8 +30,8 @@ impl Pager {
         Self { paging, present, moved_bytes: 0 }
     }
 
-    /// A job on `core` needs these sections, some of which have just been sent: `fresh`. Returns how
-    /// long the core waits (ns).
+    /// A job on `core` needs these sections, some of which have just been sent: `fresh`. Returns
+    /// how long the core waits (ns).
     pub(crate) fn need(
         &mut self,
         core: usize,

@@ -25,9 +25,9 @@ fn setups() -> impl Strategy<Value = Setup> {
         Just(Matching::RoundRobin),
     ];
     let home = prop_oneof![Just(Home::Own), Just(Home::Shared)];
-    let paging = prop::option::of((0_u64..8_000).prop_map(|memory_bytes| {
-        Paging { memory_bytes, byte_ns: 0.5 }
-    }));
+    let paging = prop::option::of(
+        (0_u64..8_000).prop_map(|memory_bytes| Paging { memory_bytes, byte_ns: 0.5 }),
+    );
     (1_u8..6, home, matching, (1_u32..80, 1_u32..20, 0_u64..5_000), paging).prop_map(
         |(workers, home, matching, (capacity, batch, linger_ns), paging)| Setup {
             workers,
@@ -49,7 +49,9 @@ const COSTS: Costs = Costs {
     leaves_ns: 200.0,
     send_ns: 400.0,
     section_byte_ns: 0.05,
+    section_ns: 80.0,
     ship_byte_ns: 0.1,
+    ship_section_ns: 60.0,
     task_ns: 1_000.0,
     descent_ns: 20.0,
     batch_ns: 500.0,

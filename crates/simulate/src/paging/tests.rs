@@ -28,7 +28,9 @@ proptest! {
             needed += sections.iter().map(|(_, bytes)| bytes).sum::<u64>();
             waited_ns += pager.need(core, sections, &fresh);
         }
-        let sum = |held: &BTreeSet<(Section, u64)>| held.iter().map(|(_, bytes)| bytes).sum::<u64>();
+        let sum = |held: &BTreeSet<(Section, u64)>| -> u64 {
+            held.iter().map(|(_, bytes)| bytes).sum()
+        };
         let lasts = held.iter().all(|held| sum(held) <= memory_bytes);
         prop_assert_eq!(pager.moved_bytes() == 0, lasts);
         prop_assert!(pager.moved_bytes() <= 2 * needed);
@@ -39,8 +41,11 @@ proptest! {
 #[test]
 fn what_is_pushed_out_is_written_once_and_comes_in_when_it_is_needed() {
     let mut pager = Pager::new(1, Paging { memory_bytes: 250, byte_ns: 3.0 });
-    let [a, b, c] = [(Section { model: 0, node: 1 }, 100), (Section { model: 1, node: 1 }, 100),
-        (Section { model: 1, node: 2 }, 100)];
+    let [a, b, c] = [
+        (Section { model: 0, node: 1 }, 100),
+        (Section { model: 1, node: 1 }, 100),
+        (Section { model: 1, node: 2 }, 100),
+    ];
     assert_eq!(pager.need(0, [a, b], &[a.0, b.0]), 0.0);
     // C pushes out B, which was needed less recently than A.
     assert_eq!(pager.need(0, [a, c], &[c.0]), 300.0);
