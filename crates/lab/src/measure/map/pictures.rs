@@ -174,7 +174,8 @@ pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
             if !runs_out {
                 continue;
             }
-            if score > found.0 {
+            // Of equals, the one with most of its lines uncut.
+            if (score, memory) > (found.0, found.1.0) {
                 found = (score, (memory, *buffer));
             }
         }
@@ -223,8 +224,7 @@ pub(super) fn lines(map: &Map) -> Result<Vec<(String, Vec<u8>)>, Failure> {
                     subject.contact()
                 ),
                 _ => format!(
-                    "2 × {size} triangles, {}, four cores, buffer {buffer}, {PAPER_BYTE_NS} ns a \
-                     byte, M = {percent} % of both bodies, then virtual memory",
+                    "2 × {size} {}, buffer {buffer}, {PAPER_BYTE_NS} ns a byte, M = {percent} %, then swap",
                     subject.contact()
                 ),
             };
