@@ -224,7 +224,8 @@ pub(super) fn lines(map: &Map) -> Result<Vec<(String, Vec<u8>)>, Failure> {
                     subject.contact()
                 ),
                 _ => format!(
-                    "2 × {size} {}, buffer {buffer}, {PAPER_BYTE_NS} ns a byte, M = {percent} %, then swap",
+                    "2 × {size} {}, buffer {buffer}, {PAPER_BYTE_NS} ns a byte, M = {percent} %, \
+                     then swap",
                     subject.contact()
                 ),
             };
