@@ -118,7 +118,7 @@ fn a_map_judges_every_claim_on_every_machine_and_goes_on_where_it_was() {
         let output = trolley().args(["measure", "--map", "--quick", "--out"]).arg(&out).output();
         let output = output.expect("it can be started");
         assert!(output.status.success(), "{}", text(&output.stderr));
-        text(&output.stdout).into_owned()
+        text(&output.stdout)
     };
     let said = run();
     let read = |name: &str| std::fs::read_to_string(out.join(name)).expect(name);
