@@ -43,9 +43,7 @@ fn a_measurement_writes_tables_figures_and_a_page_that_fit_together() {
     }
     assert!(rows > 100 && measured > 40, "{rows} rows, {measured} measured");
     let page = read("README.md");
-    for letter in 'a'..='g' {
-        assert!(page.contains(&format!("\n| {letter} | ")), "claim {letter} is not there");
-    }
+    assert!(page.contains("decide no claim of the paper"), "{page}");
     let figures: Vec<&str> =
         page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
     assert_eq!(figures.len(), 6, "{figures:?}");
@@ -107,11 +105,60 @@ fn a_sweep_may_be_about_one_scheme_and_one_way_of_transfer() {
     let rows = std::fs::read_to_string(out.join("rows.csv")).expect("rows.csv");
     assert!(rows.lines().skip(1).all(|row| row.contains(",best-match-load,")), "{rows}");
     assert!(!rows.contains(",measured,copy,") && rows.contains(",measured,zero-copy,"), "{rows}");
-    assert!(text(&output.stdout).contains("(a) transfer"), "{}", text(&output.stdout));
-    let page = std::fs::read_to_string(out.join("README.md")).expect("README.md");
-    assert!(page.contains("cannot tell** | not all schemes were swept |"), "{page}");
+    assert!(text(&output.stdout).contains("4 virtual cores"), "{}", text(&output.stdout));
     let log = std::fs::read_to_string(log).expect("the log");
     assert!(log.lines().filter(|line| line.starts_with("assigned,")).count() > 10, "{log}");
+}
+
+#[test]
+fn a_map_judges_every_claim_on_every_machine_and_goes_on_where_it_was() {
+    let place = Place::new();
+    let out = place.path().join("map");
+    let run = || {
+        let output = trolley().args(["measure", "--map", "--quick", "--out"]).arg(&out).output();
+        let output = output.expect("it can be started");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let said = run();
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).expect(name);
+    let page = read("README.md");
+    for letter in 'a'..='g' {
+        assert!(page.contains(&format!("\n| {letter} | ")), "claim {letter} is not there");
+        assert!(page.contains(&format!("](claim-{letter}.svg)")), "no picture of {letter}");
+        assert!(read(&format!("claim-{letter}.svg")).contains("ns a byte"), "{letter}");
+    }
+    for figure in page.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+        let png = std::fs::read(out.join(figure)).expect(figure);
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 5_000, "{figure}");
+    }
+    let document: serde_json::Value = serde_json::from_str(&read("map.json")).expect("it is JSON");
+    assert_eq!(document["schema"], "trolley.map/1");
+    let checked = document["checked"].as_array().expect("points");
+    assert!(checked.len() >= 10, "{checked:?}");
+    for point in checked.iter().filter(|point| point["workers"] == 1) {
+        assert_eq!(point["predicted_bytes"], point["measured_bytes"], "{point}");
+    }
+    // Every cell once, and no verdict but three.
+    let verdicts = read("verdicts.csv");
+    let rows: Vec<&str> = verdicts.lines().skip(2).collect();
+    assert!(rows.len() > 100, "{} rows", rows.len());
+    for row in &rows {
+        let signs = row.rsplit(',').next().expect("a field");
+        assert!(!signs.is_empty() && signs.chars().all(|sign| "+-.".contains(sign)), "{row}");
+    }
+    assert!(said.contains("(e) only random and lowest match run out"), "{said}");
+    // What an interrupted map has is not made again; what it lacks, or was torn, is.
+    let sheet = out.join("sheets/paper-1000-deep-sixteen-4-cores-buffer-16.csv");
+    let whole = std::fs::read_to_string(&sheet).expect("a sheet");
+    std::fs::write(&sheet, &whole[..whole.len() / 2]).expect("it can be written");
+    let kept = out.join("sheets/sealed-1000-deep-sixteen-4-cores-buffer-16.csv");
+    let before = std::fs::metadata(&kept).expect("a sheet").modified().expect("a time");
+    run();
+    assert_eq!(std::fs::read_to_string(&sheet).expect("a sheet"), whole);
+    let after = std::fs::metadata(&kept).expect("a sheet").modified().expect("a time");
+    assert_eq!(before, after, "it was made again");
+    assert_eq!(read("verdicts.csv"), verdicts);
 }
 
 fn refused(args: &[&str], code: i32, says: &str) {
@@ -128,6 +175,10 @@ fn bad_input_is_refused_with_its_reason() {
     let file = place.write("a-file", "not a folder");
     let below = file.join("results");
     refused(&["--out", below.to_str().expect("a path")], 71, "a-file");
+    refused(&["--map"], 2, "--out");
+    refused(&["--map", "--out", out, "--pair", PAIRS[0]], 2, "--pair");
+    refused(&["--map", "--out", out, "--seed", "4"], 78, "leave --seed out");
+    refused(&["--map", "--out", below.to_str().expect("a path")], 71, "a-file");
     refused(&["--out", out, "--alpha", "1.5"], 78, "--alpha may be 0 to 1");
     refused(&["--out", out, "--alpha", "nan"], 78, "--alpha may be 0 to 1");
     refused(&["--out", out, "--workers", "2"], 78, "--scenario FILE");
@@ -160,7 +211,7 @@ fn calibrated_costs_are_printed_and_written() {
     let costs: serde_json::Value = serde_json::from_str(&written).expect("it is JSON");
     let costs = costs.as_object().expect("a table");
     let is_time = |ns: &serde_json::Value| ns.as_f64().is_some_and(|ns| ns >= 0.0);
-    assert!(costs.len() == 15 && costs.values().all(is_time), "{written}");
+    assert!(costs.len() == 17 && costs.values().all(is_time), "{written}");
     let below = place.path().join("costs.json/again.json");
     let mut command = trolley();
     let output = command.args(["calibrate", "--out"]).arg(&below).output().expect("it starts");

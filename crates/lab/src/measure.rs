@@ -2,27 +2,31 @@
 //!
 //! ```text
 //! pair ──▶ bench: real runs ──▶ calibrate ──▶ Costs ─┐
-//!            └── traces ─────────────────────────────┴▶ simulate ──▶ rows ──▶ claims, page
+//!            └── traces ─────────────────────────────┴▶ simulate ──▶ rows ──▶ page
 //! ```
 //!
 //! All runs, in-process or by workers, must find the same triangles, or nothing is written.
 
 mod bench;
 mod calibrate;
-mod claims;
+mod curve;
+mod document;
 pub(crate) mod figure;
+mod map;
 mod page;
 mod ranking;
 mod row;
 mod sweep;
 mod swept;
 
+pub use map::{Map, MapOptions, map};
 pub use ranking::{RankOptions, RankedRun, rank};
 
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use bench::Bench;
-use claims::{Claim, claims, curve};
+use curve::curve;
+use document::{json, machine};
 use figure::{Figure, Line, draw};
 use row::{Mode, Row};
 use scenario::{EngineSettings, Scheme};
@@ -79,7 +83,6 @@ pub struct Measurement {
     schema: &'static str,
     machine: String,
     command: String,
-    claims: Vec<Claim>,
     pairs: Vec<Swept>,
     #[serde(skip)]
     out: PathBuf,
@@ -132,7 +135,6 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         schema: "trolley.measure/1",
         machine: machine(),
         command: command(options),
-        claims: Vec::new(),
         pairs: Vec::new(),
         out: options.out.clone(),
     };
@@ -141,7 +143,6 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         let repeats = if options.quick { 5 } else { 7 };
         let bench = Bench::new(&pair, repeats, options.job_log.is_some())?;
         measured.pairs.push(sweep::sweep(&bench, &plan, &bar)?);
-        measured.claims = claims(&measured.pairs);
         // An interrupted sweep keeps its finished pairs.
         measured.write()?;
         if let (Some(path), Some(swept)) = (&options.job_log, measured.pairs.last()) {
@@ -149,11 +150,6 @@ pub fn sweep(options: &SweepOptions, told: SyncProgress<'_>) -> Result<Measureme
         }
     }
     Ok(measured)
-}
-
-/// A document as readable JSON.
-fn json(document: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(document).map_err(|error| Failure::internal(error.to_string()))
 }
 
 fn plan(options: &SweepOptions) -> Plan {
@@ -203,39 +199,13 @@ fn command(options: &SweepOptions) -> String {
     command + " --out DIR"
 }
 
-/// The machine in one sentence.
-fn machine() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = text.lines().find(|line| line.starts_with("model name"));
-    let model = model.and_then(|line| line.split_once(": ")).map_or("unknown processor", |m| m.1);
-    let cores = runtime::affinity::allowed_cores().len();
-    format!(
-        "Machine: {model}, {cores} cores granted; workers pinned to cores in turn, the coordinator \
-         wherever there is room. Hardware counters: {}.",
-        hardware()
-    )
-}
-
-/// Whether this machine counts instructions and cache misses.
-fn hardware() -> String {
-    match runtime::counters::HardwareCounters::of(std::process::id()) {
-        Ok(_) => "available, see `run.workers` of `trolley rank --json`".to_owned(),
-        Err(error) => match coordinator::Hardware::from(error) {
-            coordinator::Hardware::NotAvailable(why) => {
-                format!("{why}; transfer is counted by the ledger and by the channels")
-            }
-            coordinator::Hardware::Counted { .. } => String::new(),
-        },
-    }
-}
-
 impl Measurement {
     fn write(&self) -> Result<(), Failure> {
-        let Self { out, pairs, claims, machine, command, .. } = self;
+        let Self { out, pairs, machine, command, .. } = self;
         let rows: Vec<Row> = pairs.iter().flat_map(|pair| pair.rows.clone()).collect();
         files::replace(&out.join("rows.csv"), row::csv(&rows).as_bytes())?;
         files::replace(&out.join("measure.json"), json(self)?.as_bytes())?;
-        let page = page::page(pairs, claims, machine, command);
+        let page = page::page(pairs, machine, command);
         files::replace(&out.join("README.md"), page.as_bytes())?;
         for pair in pairs {
             for (kind, figure) in figures(pair) {
@@ -251,7 +221,7 @@ impl Measurement {
     /// The summary for the terminal.
     #[must_use]
     pub fn text(&self) -> String {
-        summary(&self.out, &self.pairs, &self.claims)
+        summary(&self.out, &self.pairs)
     }
 }
 
@@ -313,7 +283,7 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
     ]
 }
 
-fn summary(out: &Path, swept: &[Swept], claims: &[Claim]) -> String {
+fn summary(out: &Path, swept: &[Swept]) -> String {
     let mut lines = Vec::new();
     for pair in swept {
         let best_speed_up = |mode, workers| {
@@ -332,15 +302,6 @@ fn summary(out: &Path, swept: &[Swept], claims: &[Claim]) -> String {
             best_speed_up(Mode::Measured, 2),
             best_speed_up(Mode::SimulatedOwnCore, sweep::CORES),
         ));
-    }
-    lines.push(String::new());
-    for claim in claims {
-        let verdict = match claim.holds {
-            Some(true) => "holds",
-            Some(false) => "does not hold",
-            None => "cannot tell",
-        };
-        lines.push(format!("({}) {}: {verdict}", claim.letter, claim.claim));
     }
     lines.push(format!(
         "\nWritten to {}: README.md, rows.csv, measure.json, figures",

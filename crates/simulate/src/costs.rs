@@ -3,10 +3,10 @@
 //! The kernel's part is the paper's model T = Nb·Cb + Np·Cp, plus a cost per job and per hit: a
 //! vectorised traversal has a fixed cost that the paper's does not have.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Costs in nanoseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Costs {
     /// Worker: per job, whatever its contents.
     pub job_ns: f64,
@@ -22,8 +22,12 @@ pub struct Costs {
     pub send_ns: f64,
     /// Worker that copies: per logical byte of a section that it did not hold.
     pub section_byte_ns: f64,
+    /// Worker that copies: per section that it did not hold, whatever its size.
+    pub section_ns: f64,
     /// Coordinator whose workers copy: per logical byte of a section that it ships.
     pub ship_byte_ns: f64,
+    /// Coordinator whose workers copy: per section that it ships, whatever its size.
+    pub ship_section_ns: f64,
     /// Coordinator: per task, before its traversal.
     pub task_ns: f64,
     /// Coordinator: per test of two boxes of a traversal.
@@ -65,6 +69,47 @@ pub struct Sample {
 }
 
 const TERMS: usize = 4;
+
+/// The costs per byte and per section that explain best how long sections took to copy: each sample
+/// has bytes, sections and time (ns). Least squares of relative errors, over costs that are not
+/// negative. Zero without samples.
+#[must_use]
+pub fn fit_copies(samples: &[[f64; 3]]) -> [f64; 2] {
+    // Over both, over bytes alone, over sections alone: the best of those without negative costs.
+    let candidates = [[true, true], [true, false], [false, true]].map(|used| copies(samples, used));
+    let error = |costs: &[f64; 2]| -> f64 {
+        let relative = |[bytes, sections, ns]: &[f64; 3]| {
+            let ns = ns.max(1.0);
+            ((costs[0] * bytes + costs[1] * sections - ns) / ns).powi(2)
+        };
+        samples.iter().map(relative).sum()
+    };
+    let sound = candidates.into_iter().filter(|costs| costs.iter().all(|cost| *cost >= 0.0));
+    sound.min_by(|a, b| error(a).total_cmp(&error(b))).unwrap_or_default()
+}
+
+/// The normal equations of two terms, of which only some are used.
+fn copies(samples: &[[f64; 3]], used: [bool; 2]) -> [f64; 2] {
+    let [mut xx, mut xy, mut yy, mut xt, mut yt] = [0.0; 5];
+    for [bytes, sections, ns] in samples {
+        let weight = 1.0 / ns.max(1.0);
+        let (x, y) = (
+            bytes * weight * f64::from(u8::from(used[0])),
+            sections * weight * f64::from(u8::from(used[1])),
+        );
+        let t = ns * weight;
+        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+        (xt, yt) = (xt + x * t, yt + y * t);
+    }
+    let over = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+    match used {
+        [true, true] => {
+            let whole = xx * yy - xy * xy;
+            [over(xt * yy - yt * xy, whole), over(yt * xx - xt * xy, whole)]
+        }
+        _ => [over(xt, xx), over(yt, yy)],
+    }
+}
 
 /// The kernel's costs that explain the samples best: job, box, triangle, hit.
 ///

@@ -19,6 +19,10 @@
 //! `faults`, behind the feature of that name, drives the same dispatcher through a world of
 //! injected faults.
 //!
+//! When the memory of a core runs out there are three answers: the run stops
+//! ([`dispatch::Cache::Fixed`]), sections are evicted and sent again
+//! ([`dispatch::Cache::Recent`]), or they lie in virtual memory ([`Paging`]).
+//!
 //! It does not model caches beyond the sections that workers hold, memory bandwidth that cores
 //! share, or other programs on the machine.
 
@@ -26,8 +30,10 @@ mod costs;
 #[cfg(any(test, feature = "faults"))]
 pub mod faults;
 mod machine;
+mod paging;
 mod trace;
 
-pub use costs::{Costs, Sample, fit};
-pub use machine::{Home, Setup, SimulatedRun, run};
+pub use costs::{Costs, Sample, fit, fit_copies};
+pub use machine::{Home, Prepared, Setup, SimulatedRun, run};
+pub use paging::Paging;
 pub use trace::{JobTrace, TaskTrace, Trace};

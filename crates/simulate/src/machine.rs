@@ -1,7 +1,8 @@
 //! A machine of virtual cores that runs a trace.
 
 use crate::costs::Costs;
-use crate::trace::{JobTrace, Replay, Trace};
+use crate::paging::{Pager, Paging};
+use crate::trace::{JobTrace, Replay, Trace, Weights};
 use dispatch::{
     Cache, Counts, Dispatcher, Effect, Event, MatchScheme, Matching, Progress, Queues, Thrash,
     Transfer,
@@ -36,6 +37,9 @@ pub struct Setup {
     pub cache: Cache,
     /// Whether sections are copied: then their bytes cost time.
     pub copies: bool,
+    /// Memory of a core beyond which what it holds lies in virtual memory; `None`: all is memory.
+    /// It changes no placement: a section that was swapped out is held all the same.
+    pub paging: Option<Paging>,
 }
 
 /// The result of a simulation.
@@ -51,6 +55,12 @@ pub struct SimulatedRun {
     pub counts: Counts,
     /// Sections that were transferred.
     pub transfer: Transfer,
+    /// Bytes that came to each worker. Without eviction, that is what it holds in the end.
+    pub received: Vec<u64>,
+    /// Bytes that moved between memory and virtual memory, over all workers.
+    pub swapped_bytes: u64,
+    /// Time that workers waited for them (ns).
+    pub swapped_ns: f64,
     /// The section that did not fit: then the run ended there, and its time is meaningless.
     pub thrash: Option<Thrash>,
 }
@@ -65,19 +75,60 @@ struct Server {
     sent: VecDeque<(f64, JobId, u8)>,
 }
 
-/// Runs the trace.
+/// Runs the trace once. For many runs of one trace, keep a [`Prepared`].
 #[must_use]
 pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> SimulatedRun {
+    Prepared::new(trace).run(costs, setup)
+}
+
+/// A trace with what every run of it looks up.
+#[derive(Debug)]
+pub struct Prepared<'t> {
+    trace: &'t Trace,
+    jobs: Vec<&'t JobTrace>,
+    weights: Weights,
+}
+
+impl<'t> Prepared<'t> {
+    /// Indexes the trace.
+    #[must_use]
+    pub fn new(trace: &'t Trace) -> Self {
+        Self { trace, jobs: trace.jobs().collect(), weights: Weights::new(trace) }
+    }
+
+    /// Number of jobs.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.jobs.len()
+    }
+
+    /// Whether there are no jobs.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.jobs.is_empty()
+    }
+
+    /// Runs the trace.
+    #[must_use]
+    pub fn run(&self, costs: &Costs, setup: &Setup) -> SimulatedRun {
+        run_prepared(self, costs, setup)
+    }
+}
+
+fn run_prepared(prepared: &Prepared<'_>, costs: &Costs, setup: &Setup) -> SimulatedRun {
     let workers = usize::from(setup.workers);
     let scheme = setup.matching.scheme();
     let mut machine = Machine {
         dispatcher: Dispatcher::new(scheme, setup.queues, setup.cache, workers),
-        replay: Replay::new(trace),
-        jobs: trace.jobs().collect(),
+        replay: Replay::new(prepared.trace, &prepared.weights),
+        jobs: &prepared.jobs,
         costs,
         home: setup.home,
         copies: setup.copies,
         servers: vec![Server::default(); workers],
+        pager: setup.paging.map(|paging| Pager::new(workers, paging)),
+        received: vec![0; workers],
+        effects: Vec::new(),
         now_ns: 0.0,
         coordinator_ns: 0.0,
     };
@@ -95,6 +146,9 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> SimulatedRun {
         coordinator_ns: machine.coordinator_ns,
         counts: machine.dispatcher.counts(),
         transfer: machine.dispatcher.transfer(),
+        swapped_bytes: machine.pager.as_ref().map_or(0, Pager::moved_bytes),
+        swapped_ns: machine.pager.as_ref().map_or(0.0, Pager::moved_ns),
+        received: machine.received,
         thrash: machine.dispatcher.thrash(),
     }
 }
@@ -102,11 +156,15 @@ pub fn run(trace: &Trace, costs: &Costs, setup: &Setup) -> SimulatedRun {
 struct Machine<'t> {
     dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     replay: Replay<'t>,
-    jobs: Vec<&'t JobTrace>,
+    jobs: &'t [&'t JobTrace],
     costs: &'t Costs,
     home: Home,
     copies: bool,
     servers: Vec<Server>,
+    pager: Option<Pager>,
+    received: Vec<u64>,
+    /// Scratch.
+    effects: Vec<Effect>,
     /// The coordinator's time.
     now_ns: f64,
     coordinator_ns: f64,
@@ -143,35 +201,46 @@ impl Machine<'_> {
     }
 
     fn step(&mut self, event: Event<()>) -> Progress {
-        let mut effects = Vec::new();
+        let mut effects = std::mem::take(&mut self.effects);
         let now_ns = self.now_ns as u64;
         let progress = self.dispatcher.step(now_ns, event, &mut self.replay, &mut effects);
         let (tasks, tests) = std::mem::take(&mut self.replay.descents);
         self.work(self.costs.task_ns * tasks as f64 + self.costs.descent_ns * tests as f64);
-        for effect in effects {
+        for effect in effects.drain(..) {
             // Nothing goes wrong here, so no worker is killed.
             let Effect::Send { to, jobs, fetch, .. } = effect else { continue };
-            let weight = |section| dispatch::JobSource::weight(&self.replay, section) as f64;
-            let fetched: f64 = fetch.into_iter().map(weight).sum();
-            let loaded = if self.copies { fetched } else { 0.0 };
+            let weight = |section: &_| dispatch::JobSource::weight(&self.replay, *section);
+            let fetched: u64 = fetch.iter().map(weight).sum();
+            self.received[usize::from(to.worker)] += fetched;
+            let (loaded, sections) =
+                if self.copies { (fetched as f64, fetch.len() as f64) } else { (0.0, 0.0) };
             self.work(
                 self.costs.batch_ns
                     + self.costs.place_ns * jobs.len() as f64
-                    + self.costs.ship_byte_ns * loaded,
+                    + self.costs.ship_byte_ns * loaded
+                    + self.costs.ship_section_ns * sections,
             );
             let arrives_ns = self.now_ns + self.costs.flight_ns;
             let server = &mut self.servers[usize::from(to.worker)];
             server.free_ns = server.free_ns.max(arrives_ns);
             // The sections of a batch are loaded by its jobs; which of them does not matter here.
-            let load_ns = self.costs.section_byte_ns * loaded / jobs.len() as f64;
-            for (job, attempt) in jobs {
-                let JobTrace { nb, np, hits, .. } = *self.jobs[job.0 as usize];
-                let ns = self.costs.kernel_ns(nb, np, hits) + self.costs.send_ns + load_ns;
+            let load_ns = (self.costs.section_byte_ns * loaded + self.costs.section_ns * sections)
+                / jobs.len() as f64;
+            for &(job, attempt) in &jobs {
+                let JobTrace { nb, np, hits, a, b } = *self.jobs[job.0 as usize];
+                let swapped_ns = self
+                    .pager
+                    .as_mut()
+                    .map_or(0.0, |pager| pager.need(usize::from(to.worker), [a, b], &fetch));
+                let ns =
+                    self.costs.kernel_ns(nb, np, hits) + self.costs.send_ns + load_ns + swapped_ns;
                 server.free_ns += ns;
                 server.busy_ns += ns;
                 server.sent.push_back((server.free_ns, job, attempt));
             }
+            self.dispatcher.reuse(jobs, fetch);
         }
+        self.effects = effects;
         progress
     }
 

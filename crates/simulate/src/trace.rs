@@ -2,7 +2,6 @@
 
 use dispatch::{Closed, Job, JobSource};
 use protocol::{Section, TaskId};
-use std::collections::BTreeMap;
 
 /// One job as it ran.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,18 +41,44 @@ impl Trace {
     }
 }
 
+/// The bytes of every section of a trace, by body and node.
+#[derive(Debug, Default)]
+pub(crate) struct Weights(Vec<Vec<u64>>);
+
+impl Weights {
+    pub(crate) fn new(trace: &Trace) -> Self {
+        let mut bodies: Vec<Vec<u64>> = Vec::new();
+        for (section, bytes) in trace.jobs().flat_map(|job| [job.a, job.b]) {
+            let (model, node) = (section.model as usize, section.node as usize);
+            if bodies.len() <= model {
+                bodies.resize(model + 1, Vec::new());
+            }
+            let nodes = &mut bodies[model];
+            if nodes.len() <= node {
+                nodes.resize(node + 1, 0);
+            }
+            nodes[node] = bytes;
+        }
+        Self(bodies)
+    }
+
+    fn of_section(&self, section: Section) -> u64 {
+        let nodes = self.0.get(section.model as usize);
+        nodes.and_then(|nodes| nodes.get(section.node as usize)).copied().unwrap_or(0)
+    }
+}
+
 /// A trace as work for a dispatcher.
 pub(crate) struct Replay<'t> {
     trace: &'t Trace,
-    weights: BTreeMap<Section, u64>,
+    weights: &'t Weights,
     next: usize,
     /// Traversals since the last look: tasks, and tests of boxes.
     pub(crate) descents: (u64, u64),
 }
 
 impl<'t> Replay<'t> {
-    pub(crate) fn new(trace: &'t Trace) -> Self {
-        let weights = trace.jobs().flat_map(|job| [job.a, job.b]).collect();
+    pub(crate) fn new(trace: &'t Trace, weights: &'t Weights) -> Self {
         Self { trace, weights, next: 0, descents: (0, 0) }
     }
 }
@@ -81,6 +106,6 @@ impl JobSource for Replay<'_> {
     fn close(&mut self, _: &Job, _: Closed) {}
 
     fn weight(&self, section: Section) -> u64 {
-        self.weights.get(&section).copied().unwrap_or(0)
+        self.weights.of_section(section)
     }
 }

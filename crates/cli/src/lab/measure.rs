@@ -1,5 +1,5 @@
 //! `trolley measure`: the paper's experiment on real bodies (schemes, depths, buffers, transfer),
-//! or one ranking with experimental settings.
+//! the map of where each of its claims holds, or one ranking with experimental settings.
 
 use super::shown::show;
 use crate::answer_args::LimitArgs;
@@ -7,7 +7,7 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
-use ::lab::measure::{ALPHA, RankOptions, SweepOptions, rank, sweep};
+use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions, map, rank, sweep};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
@@ -22,18 +22,27 @@ Examples:
       --out results
   trolley measure --pair A.trolley,B.trolley,deep --out results
   trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
+  trolley measure --map --out map
   trolley measure --scenario config/examples/crash.toml --scheme lowest-match --job-log jobs.csv
 
 A pair is A,B,POSES. Bodies are model files, or shape:triangles for generated ones. Poses are a file
 (six lines, as for trolley intersect), or deep or scratch: B approaches from sixteen directions
 until it is 0.5 m, or 0.01 m, inside A. The claim about two contacts compares deep and scratch of
-the same bodies.";
+the same bodies.
+
+A map takes its bodies, schemes and settings itself. Sheets that its folder already has are taken
+from there, so an interrupted map goes on with the same command.";
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeasureArgs {
     /// Use fewer depths, buffers and repeats: takes a minute, with wider margins.
     #[arg(long)]
     quick: bool,
+    /// Map where each claim of the paper holds: on its machine, on this one made to copy, and on
+    /// ours. Takes minutes; an interrupted map goes on.
+    #[arg(long, requires = "out", conflicts_with_all = ["pair", "scheme", "alpha", "transfer",
+          "memory_budget", "cache_bytes", "linger", "job_log", "scenario", "search_order"])]
+    map: bool,
     /// Bodies and poses, A,B,POSES; may be repeated.
     #[arg(long, value_name = "A,B,POSES")]
     pair: Vec<PairName>,
@@ -85,6 +94,7 @@ pub(crate) struct MeasureArgs {
 pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failure> {
     match (&args.scenario, &args.out) {
         (Some(scenario), _) => ranked(args, scenario.clone(), output),
+        (None, Some(out)) if args.map => mapped(args, out.clone(), output),
         (None, Some(out)) => swept(args, out.clone(), output),
         (None, None) => Err(Failure::internal("neither a scenario nor a folder")),
     }
@@ -112,8 +122,8 @@ impl MeasureArgs {
     }
 }
 
-/// Tables, figures and a page over pairs of bodies.
-fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+/// Refuses settings that a sweep or a map chooses itself; returns the seed.
+fn plain_seed(args: &MeasureArgs) -> Result<u64, Failure> {
     let overrides = args.engine.overrides()?;
     let seed_alone = Overrides { seed: overrides.seed, ..Overrides::default() };
     let is_plain = args.engine.instance.is_none() && !args.engine.in_process;
@@ -123,13 +133,31 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
         return Err(Failure::setting(fault)
             .with_remedy("name a scenario to be ranked with these settings: --scenario FILE"));
     }
+    Ok(EngineSettings::DEFAULT.apply(&overrides)?.seed)
+}
+
+/// The map of where each claim holds.
+fn mapped(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+    if plain_seed(args)? != EngineSettings::DEFAULT.seed {
+        return Err(Failure::setting("a map has seeds of its own").with_remedy("leave --seed out"));
+    }
+    let progress = output.progress("mapping");
+    let options = MapOptions { quick: args.quick, out };
+    let map = map(&options, &|done, total| progress.set(done, total))?;
+    drop(progress);
+    show(&map, || map.text(), output)
+}
+
+/// Tables, figures and a page over pairs of bodies.
+fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+    let seed = plain_seed(args)?;
     let progress = output.progress("measuring");
     let options = SweepOptions {
         quick: args.quick,
         pairs: args.pair.clone(),
         out,
         schemes: args.scheme.clone(),
-        seed: EngineSettings::DEFAULT.apply(&overrides)?.seed,
+        seed,
         alpha: args.alpha.unwrap_or(ALPHA),
         transfer: args.transfer,
         dispatch_options: args.dispatch_options(),

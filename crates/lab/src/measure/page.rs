@@ -1,6 +1,6 @@
-//! The page of a measurement: tables, claims and figures, with the command that made it.
+//! The page of a measurement: tables and figures, with the command that made it.
 
-use super::claims::{Claim, best_depth};
+use super::curve::best_depth;
 use super::row::Mode;
 use super::swept::{Check, Swept};
 use scenario::Scheme;
@@ -24,7 +24,7 @@ pub(crate) fn best(swept: &Swept, mode: Mode, workers: u8) -> Option<(f64, u32)>
     known.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &str) -> String {
+pub(crate) fn page(swept: &[Swept], machine: &str, command: &str) -> String {
     let mut text = String::from("# Match schemes, depth and transfer\n\n");
     let mut say = |line: String| {
         text.push_str(&line);
@@ -66,16 +66,9 @@ pub(crate) fn page(swept: &[Swept], claims: &[Claim], machine: &str, command: &s
                 .map_or(String::from("–"), |[half, most]| format!("{half:.0} %, {most:.0} %")),
         ));
     }
-    say("\n## The paper's claims about shape\n".to_owned());
-    say("| | claim | | data |\n|---|---|---|---|".to_owned());
-    for Claim { letter, claim, holds, data } in claims {
-        let verdict = match holds {
-            Some(true) => "holds",
-            Some(false) => "does not hold",
-            None => "cannot tell",
-        };
-        say(format!("| {letter} | {claim} | **{verdict}** | {data} |"));
-    }
+    say("\nOne seed, one memory and one machine decide no claim of the paper: `trolley measure \
+         --map` says where each holds."
+        .to_owned());
     for pair in swept {
         one(pair, &mut say);
     }

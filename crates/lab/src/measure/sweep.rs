@@ -127,11 +127,19 @@ pub(crate) fn sweep(bench: &Bench<'_>, plan: &Plan, bar: &Progress<'_>) -> Resul
 fn calmer(a: Costs, b: Costs) -> Costs {
     let typical = |costs: &Costs| costs.kernel_ns(1_000, 200, 40);
     let kernel = if typical(&a) <= typical(&b) { a } else { b };
+    let copied = |costs: &Costs| {
+        1_000.0 * (costs.section_byte_ns + costs.ship_byte_ns)
+            + (costs.section_ns + costs.ship_section_ns)
+    };
+    let copies = if copied(&a) <= copied(&b) { a } else { b };
     Costs {
         leaves_ns: a.leaves_ns.min(b.leaves_ns),
         send_ns: a.send_ns.min(b.send_ns),
-        section_byte_ns: a.section_byte_ns.min(b.section_byte_ns),
-        ship_byte_ns: a.ship_byte_ns.min(b.ship_byte_ns),
+        // Those of one fit belong together.
+        section_byte_ns: copies.section_byte_ns,
+        section_ns: copies.section_ns,
+        ship_byte_ns: copies.ship_byte_ns,
+        ship_section_ns: copies.ship_section_ns,
         task_ns: a.task_ns.min(b.task_ns),
         descent_ns: a.descent_ns.min(b.descent_ns),
         batch_ns: a.batch_ns.min(b.batch_ns),
@@ -232,6 +240,7 @@ impl Sweep<'_> {
                 queues: QUEUES,
                 cache: Cache::Unlimited,
                 copies: false,
+                paging: None,
             };
             let predicted = simulate::run(&alone.trace, &self.costs, &setup);
             let ran = self.shares.iter().find(|s| s.workers == workers && s.depth == depth);
@@ -372,7 +381,7 @@ impl Sweep<'_> {
     fn simulate(&mut self, way: Way, alone: &Alone, home: Home) {
         let Way { workers, matching, queues, cache, .. } = way;
         let copies = way.transfer == TransferMode::Copy;
-        let setup = Setup { workers, home, matching, queues, cache, copies };
+        let setup = Setup { workers, home, matching, queues, cache, copies, paging: None };
         let out = simulate::run(&alone.trace, &self.costs, &setup);
         let mode = match home {
             Home::Own => Mode::SimulatedOwnCore,

@@ -1,7 +1,6 @@
 //! Results of a sweep over one pair, with the fields of the written document.
 //!
-//! A measured time is the fastest of its repeats unless it is called a median. Conclusions are
-//! drawn in `claims`.
+//! A measured time is the fastest of its repeats unless it is called a median.
 
 use super::row::Row;
 use dispatch::LogEntry;

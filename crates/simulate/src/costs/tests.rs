@@ -20,6 +20,24 @@ proptest! {
     }
 
     #[test]
+    fn costs_of_copies_are_found_again(
+        per_byte in 0.0..5.0_f64, per_section in 0.0..9_000.0_f64,
+        counts in prop::collection::vec((1_000_u32..1_000_000, 1_u32..500), 8..30),
+    ) {
+        prop_assume!(per_byte + per_section > 0.1);
+        let samples: Vec<[f64; 3]> = counts.into_iter().map(|(bytes, sections)| {
+            let (bytes, sections) = (f64::from(bytes), f64::from(sections));
+            [bytes, sections, per_byte * bytes + per_section * sections]
+        }).collect();
+        let [byte, section] = fit_copies(&samples);
+        for [bytes, sections, ns] in samples {
+            let found = byte * bytes + section * sections;
+            prop_assert!((found - ns).abs() < 1e-4 * (1.0 + ns), "{found} for {ns}");
+        }
+        prop_assert!(byte >= 0.0 && section >= 0.0);
+    }
+
+    #[test]
     fn no_cost_is_negative_whatever_was_measured(
         rows in prop::collection::vec((0_u64..1_000, 0_u64..1_000, 0_u64..100, 0.0..1e6), 0..60),
     ) {

@@ -25,14 +25,18 @@ fn setups() -> impl Strategy<Value = Setup> {
         Just(Matching::RoundRobin),
     ];
     let home = prop_oneof![Just(Home::Own), Just(Home::Shared)];
-    (1_u8..6, home, matching, (1_u32..80, 1_u32..20, 0_u64..5_000)).prop_map(
-        |(workers, home, matching, (capacity, batch, linger_ns))| Setup {
+    let paging = prop::option::of(
+        (0_u64..8_000).prop_map(|memory_bytes| Paging { memory_bytes, byte_ns: 0.5 }),
+    );
+    (1_u8..6, home, matching, (1_u32..80, 1_u32..20, 0_u64..5_000), paging).prop_map(
+        |(workers, home, matching, (capacity, batch, linger_ns), paging)| Setup {
             workers,
             home,
             matching,
             queues: Queues { capacity, batch, linger_ns },
             cache: Cache::Unlimited,
             copies: linger_ns % 2 == 0,
+            paging,
         },
     )
 }
@@ -45,7 +49,9 @@ const COSTS: Costs = Costs {
     leaves_ns: 200.0,
     send_ns: 400.0,
     section_byte_ns: 0.05,
+    section_ns: 80.0,
     ship_byte_ns: 0.1,
+    ship_section_ns: 60.0,
     task_ns: 1_000.0,
     descent_ns: 20.0,
     batch_ns: 500.0,
@@ -81,5 +87,38 @@ proptest! {
         let outcome = run(&trace, &COSTS, &setup);
         prop_assert!(alone.transfer.section_bytes <= outcome.transfer.section_bytes);
         prop_assert!(outcome.transfer.section_bytes <= outcome.transfer.unshared_bytes);
+    }
+}
+
+proptest! {
+    #[test]
+    fn memory_that_suffices_changes_nothing_and_less_costs_what_is_swapped(
+        trace in traces(), setup in setups(), memory_bytes in 0_u64..8_000,
+    ) {
+        let ample = run(&trace, &COSTS, &Setup { paging: None, ..setup });
+        let most = ample.received.iter().copied().max().unwrap_or(0);
+        let paging = |memory_bytes| Some(Paging { memory_bytes, byte_ns: 0.5 });
+        let enough = run(&trace, &COSTS, &Setup { paging: paging(most), ..setup });
+        prop_assert_eq!(&enough, &ample);
+        let short = run(&trace, &COSTS, &Setup { paging: paging(memory_bytes), ..setup });
+        let most = short.received.iter().copied().max().unwrap_or(0);
+        prop_assert_eq!(short.swapped_bytes > 0, most > memory_bytes);
+        prop_assert!((short.swapped_ns - 0.5 * short.swapped_bytes as f64).abs() < 1e-6);
+        let sent: u64 = short.received.iter().sum();
+        prop_assert_eq!(sent, short.transfer.section_bytes);
+    }
+
+    #[test]
+    fn a_hard_stop_comes_exactly_where_a_core_would_hold_more(
+        trace in traces(), setup in setups(), memory_bytes in 0_u64..8_000,
+    ) {
+        let ample = run(&trace, &COSTS, &Setup { paging: None, ..setup });
+        let cache = Cache::Fixed(memory_bytes);
+        let stopped = run(&trace, &COSTS, &Setup { cache, paging: None, ..setup });
+        let most = ample.received.iter().copied().max().unwrap_or(0);
+        prop_assert_eq!(stopped.thrash.is_some(), most > memory_bytes);
+        if stopped.thrash.is_none() {
+            prop_assert_eq!(stopped, ample);
+        }
     }
 }
