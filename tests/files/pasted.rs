@@ -14,6 +14,7 @@ use std::process::{Command, Output, Stdio};
 const LONG: &[&str] = &[
     "trolley measure --quick",
     "trolley measure --pair",
+    "trolley measure --map",
     "trolley certify",
     "trolley simulate faults",
     "trolley inject",
