@@ -160,6 +160,7 @@ pub struct Ways<'p> {
 
 impl Ways<'_> {
     /// B in A's frame at a time (s).
+    #[must_use]
     pub fn pose_at(&self, time_s: f64) -> RelativePose {
         let [a, b] = self.paths.map(|path| path.pose_at(time_s));
         RelativePose::between(&a, &b)
@@ -288,7 +289,7 @@ impl Encounters {
         let [path_a, path_b] = ways.paths;
         let motion = RelativeMotion::new(path_a, path_b)
             .and_then(|motion| motion.between(*from_s, *end_s))
-            .map_err(|_| Unseen::NoMotion)?;
+            .map_err(|_path_error| Unseen::NoMotion)?;
         let limits = MotionLimits { resolution_m: *resolution_m, budget: u64::MAX };
         let [a, b] = ways.bodies;
         let limits = (&limits, watch);

@@ -273,7 +273,7 @@ impl<'s> Surveyor<'s> {
                 // The clock is that of a trial, which ends at one of its looks.
                 let is_over = || is_due.is_some_and(|is_due| is_due());
                 let loses = *loses;
-                let is_done = |_| !is_over() && !(loses > 0 && rng.below(loses) == 0);
+                let is_done = |_| !(is_over() || loses > 0 && rng.below(loses) == 0);
                 Ok(look_at_some(asked, encounters, is_done))
             }
         }
