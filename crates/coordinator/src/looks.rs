@@ -244,3 +244,6 @@ impl dispatch::JobSource for LookRun<'_, '_> {
         Some(all.fold(0, |hash, next| splitmix64(hash ^ next)))
     }
 }
+
+#[cfg(test)]
+mod tests;
