@@ -165,21 +165,24 @@ impl<'r> Rounds<'r> {
         while from < self.courses.len() {
             let block = from..(from + self.block()).min(self.courses.len());
             from = block.end;
-            let mut found = vec![None; block.len()];
+            let is_open = |k: &usize| self.courses[*k].is_open();
+            let mut open: Vec<(usize, Option<_>)> =
+                block.clone().filter(is_open).map(|k| (k, None)).collect();
+            if open.is_empty() {
+                continue;
+            }
             // Each look is at a later time than the last one at that party.
             loop {
                 self.look(&block, surveyor, is_due)?;
-                for k in block.clone() {
-                    if found[k - block.start].is_none() {
-                        found[k - block.start] = self.next(k)?;
-                    }
+                for (k, found) in open.iter_mut().filter(|(_, found)| found.is_none()) {
+                    *found = self.next(*k)?;
                 }
                 if !self.courses[block.clone()].iter().any(Course::needs_looks) {
                     break;
                 }
             }
             let mut is_one_over = false;
-            for (k, found) in block.zip(found) {
+            for (k, found) in open {
                 match found {
                     Some((meeting, contact)) => {
                         meetings.push((k, meeting));
