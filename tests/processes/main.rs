@@ -14,6 +14,7 @@ mod guard;
 mod inject;
 mod kill;
 mod measure;
+mod members;
 mod serve;
 mod sign;
 mod strangers;

@@ -14,8 +14,8 @@
 //! - A complete [`Answer`] is a pure function of bodies, scenario, policy and curves: it holds
 //!   order-free values only, and both backends fill it from the same fold:
 //!   `tests/answers/identical.rs` at the top level.
-//! - Where there are workers it runs no survey. It looks at bodies itself if that is the only look to
-//!   do, or bodies are copied; and it tests whether one lies inside another, or draws overlap.
+//! - Where there are workers it runs no survey. It looks at bodies itself if that is the only look
+//!   to do, or bodies are copied; and it tests whether one lies inside another, or draws overlap.
 //! - However a run ends, no process and no shared memory is left: `tests/processes/kill.rs`.
 //!
 //! It does not know file formats, nor how harm is computed.

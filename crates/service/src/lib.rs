@@ -11,7 +11,8 @@
 //!
 //! - Whatever a client sends, it gets an answer or a refusal with a reason, and the next request is
 //!   unaffected: `ask/tests.rs`, `tests/processes/serve.rs` at the top level.
-//! - The ranking is that of `trolley rank` in every bit: `tests/processes/serve.rs`.
+//! - The ranking is that of `trolley rank` in every bit: `tests/processes/serve.rs`, over members
+//!   `tests/processes/members.rs`.
 //! - The queue, the pools and the files are bounded: nothing grows with the number of requests.
 //! - While a request is executed, no file is written and nothing is waited for but workers.
 //!
