@@ -28,7 +28,7 @@ pub mod triangle;
 
 pub use aabb::{Aabb, Bounds};
 
-pub use glam::{DMat3, DVec3};
+pub use glam::{DMat3, DVec2, DVec3};
 pub use patch::{Patch, Posed};
 pub use pose::{Pose, RelativePose};
 pub use support::{Directions, Supports};

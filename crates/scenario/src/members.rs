@@ -6,15 +6,19 @@
 //! JCGT 9(4), 2020), so members are the same for all candidates, on every machine, and those of a
 //! smaller number are the first of a larger one.
 //!
+//! The sequence's first coordinates are laid along the directions in which contacts change most.
+//!
 //! Offsets are normal. The factor on speed is log-normal, so that nobody drives backwards. The
 //! predicted motion is the one in whose share of \[0, 1) a coordinate lies: stratified by
 //! probability.
 
 use crate::error::Misfit;
 use crate::limit;
-use crate::scenario::{Motion, Scenario, path};
+use crate::scenario::{Motion, Party, Scenario, path};
+use directions::Directions;
 use geometry::motion::{MotionPath, PathError};
 
+mod directions;
 mod normal;
 #[cfg(test)]
 mod tests;
@@ -75,6 +79,10 @@ const RUN_OUT_TURN_DEG: f64 = 9.0;
 /// Coordinates of a point: those of the ego, then as many of each other party, then the run-out.
 const OF_EGO: u32 = 4;
 const OF_OTHER: u32 = 5;
+/// Those of them that are normal: lateral offset, speed, longitudinal offset, yaw of the ego;
+/// speed, lateral offset, longitudinal offset, yaw of another party. Its choice is not.
+const EGO_NORMALS: usize = OF_EGO as usize;
+const OF_OTHER_NORMALS: usize = OF_OTHER as usize - 1;
 const RUN_OUT: u32 = OF_EGO + OF_OTHER * (limit::PARTIES.most as u32 - 1);
 
 impl Members {
@@ -139,19 +147,15 @@ impl PartyDraw {
         Self { yaw_deg: 0.0, speed_factor: 1.0, ..self }
     }
 
-    fn of(
-        errors: &Errors,
-        coordinate: impl Fn(u32) -> f64,
-        [lateral, speed, long, yaw]: [u32; 4],
-    ) -> Self {
-        let [a, b] = [lateral, long].map(|dimension| normal::quantile(coordinate(dimension)));
+    fn of(errors: &Errors, [lateral, speed, long, yaw]: [f64; 4], choice: f64) -> Self {
         let own = (1.0 - errors.correlation * errors.correlation).max(0.0).sqrt();
+        let ahead = errors.correlation * lateral + own * long;
         Self {
-            lateral_m: errors.lateral_m * a + 0.0,
-            longitudinal_m: errors.longitudinal_m * (errors.correlation * a + own * b) + 0.0,
-            yaw_deg: errors.yaw_deg * normal::quantile(coordinate(yaw)) + 0.0,
-            speed_factor: libm::exp(errors.speed_share * normal::quantile(coordinate(speed))),
-            choice: 0.0,
+            lateral_m: errors.lateral_m * lateral + 0.0,
+            longitudinal_m: errors.longitudinal_m * ahead + 0.0,
+            yaw_deg: errors.yaw_deg * yaw + 0.0,
+            speed_factor: libm::exp(errors.speed_share * speed),
+            choice,
         }
     }
 }
@@ -169,24 +173,46 @@ pub fn world_coordinate(number: u32, dimension: u32) -> f64 {
     f64::from(sobol_burley::sample(number, dimension, WORLD_SEED))
 }
 
-impl Scenario {
+/// The members of a scene.
+#[derive(Clone, Debug)]
+pub struct MemberSequence<'s> {
+    scenario: &'s Scenario,
+    directions: Directions,
+}
+
+impl<'s> MemberSequence<'s> {
+    /// The sequence of a scene: a pure function of it.
+    #[must_use]
+    pub fn new(scenario: &'s Scenario) -> Self {
+        Self { scenario, directions: Directions::new(scenario) }
+    }
+
     /// Point `number` of the sequence, as a member.
     #[must_use]
     pub fn draw(&self, number: u32) -> MemberDraw {
         let coordinate = |dimension: u32| f64::from(sobol_burley::sample(number, dimension, SEED));
-        let mut before = OF_EGO;
-        let parties = self.parties.iter().enumerate().map(|(index, party)| {
-            if index == self.ego.0 {
-                return PartyDraw::of(&party.errors, coordinate, [0, 1, 2, 3]);
+        let Scenario { parties, ego, .. } = self.scenario;
+        let of_others = (0..parties.len() as u32 - 1).map(|other| OF_EGO + OF_OTHER * other);
+        let dimensions = (0..OF_EGO).chain(of_others.flat_map(|first| first..first + OF_OTHER - 1));
+        let mut normals: Vec<f64> =
+            dimensions.map(|dimension| normal::quantile(coordinate(dimension))).collect();
+        self.directions.apply(&mut normals);
+        let mut others = normals[EGO_NORMALS..].chunks_exact(OF_OTHER_NORMALS);
+        let mut choices = (0..).map(|other| coordinate(OF_EGO + OF_OTHER * other + OF_OTHER - 1));
+        let draw = |(index, party): (usize, &Party)| {
+            if index == ego.0 {
+                let [lateral, speed, long, yaw] = [0, 1, 2, 3].map(|of| normals[of]);
+                return PartyDraw::of(&party.errors, [lateral, speed, long, yaw], 0.0);
             }
-            let first = before;
-            before += OF_OTHER;
-            let draw =
-                PartyDraw::of(&party.errors, coordinate, [first + 1, first, first + 2, first + 3]);
-            PartyDraw { choice: coordinate(first + 4), ..draw }
-        });
+            match (others.next(), choices.next()) {
+                (Some(&[speed, lateral, long, yaw]), Some(choice)) => {
+                    PartyDraw::of(&party.errors, [lateral, speed, long, yaw], choice)
+                }
+                _ => PartyDraw::NOMINAL,
+            }
+        };
         MemberDraw {
-            parties: parties.collect(),
+            parties: parties.iter().enumerate().map(draw).collect(),
             run_out_turn_deg: RUN_OUT_TURN_DEG * normal::quantile(coordinate(RUN_OUT)) + 0.0,
             run_out_share: coordinate(RUN_OUT + 1),
         }

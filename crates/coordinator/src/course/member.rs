@@ -10,7 +10,7 @@ use damage::course::RunOut;
 use damage::party::is_fixed;
 use executor::encounter::{Encounters, Nested};
 use geometry::motion::{MotionPath, PathError};
-use scenario::{Candidate, MemberDraw, Motion, PartyDraw};
+use scenario::{Candidate, MemberDraw, MemberSequence, Motion, PartyDraw};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::rc::Rc;
@@ -144,6 +144,8 @@ fn chosen<'s>(scenery: &Scenery<'s>, party: usize, choice: f64) -> &'s Motion {
 #[derive(Debug)]
 pub(super) struct Members<'s> {
     scenery: Scenery<'s>,
+    /// Made when the first is drawn.
+    sequence: Option<MemberSequence<'s>>,
     /// The scene as stated, and the members so far.
     pub(super) list: Vec<Rc<Member<'s>>>,
     /// The next point of the sequence.
@@ -157,7 +159,7 @@ pub(super) struct Members<'s> {
 impl<'s> Members<'s> {
     pub(super) fn nominal(scenery: Scenery<'s>) -> Self {
         let list = vec![Rc::new(Member::nominal(&scenery))];
-        Self { scenery, list, next: 0, replaced: 0, overlap: Vec::new() }
+        Self { scenery, sequence: None, list, next: 0, replaced: 0, overlap: Vec::new() }
     }
 
     /// Draws members until there are so many besides the scene as stated.
@@ -181,7 +183,10 @@ impl<'s> Members<'s> {
                 let party = self.scenery.scenario.parties[party].name.to_string();
                 return Err(RequestError::Overlap { party, replaced: self.replaced });
             }
-            let draw = self.scenery.scenario.draw(self.next);
+            let scenario = self.scenery.scenario;
+            let sequence =
+                self.sequence.get_or_insert_with(|| MemberSequence::new(scenario));
+            let draw = sequence.draw(self.next);
             self.next += 1;
             let member = Member::drawn(&self.scenery, &draw)
                 .map_err(|source| RequestError::Member { source })?;
