@@ -48,7 +48,7 @@ pub(crate) struct LimitArgs {
     #[arg(long, value_name = "N")]
     deadline_ms: Option<f64>,
     /// Follow the candidates in N draws of what is known only up to errors, and rank by expected
-    /// harm; 1: in the scene as stated alone [default: as the scenario says, else 1].
+    /// harm; 1: in the scene as stated alone [default: as the scenario says, else 32].
     #[arg(long, value_name = "N")]
     members: Option<i64>,
     /// Draw N members at most, where the best two are too close to call with fewer [default: 128,

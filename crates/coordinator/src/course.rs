@@ -253,13 +253,12 @@ fn follow(
     let policy = request.criteria.policy.among(names);
     let criteria = Criteria { policy, ..request.criteria.clone() };
     let request = &CourseRequest { criteria, ..request.clone() };
-    let (is_past, is_over) = (|| time.is_past(), || time.is_over());
-    let watched = |is_due| time.is_watched().then_some(is_due);
-    let (is_past, is_due) = (watched(&is_past as &dyn Fn() -> bool), watched(&is_over));
+    let is_over = || time.is_over();
+    let is_due = time.is_watched().then_some(&is_over as &dyn Fn() -> bool);
     let mut rounds = Rounds::new(stage, request, until);
     let mut follow = |rounds: &mut Rounds<'_>| -> Result<(), RunError> {
         loop {
-            let round = rounds.search(surveyor, is_past)?;
+            let round = rounds.search(surveyor, time)?;
             let round = rounds.spare(round)?;
             if round.meetings.is_empty() {
                 return Ok(());
@@ -274,7 +273,7 @@ fn follow(
         let harms = rounds.harms(&[]).remove(0);
         Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)?
     } else {
-        stages::followed(&mut rounds, request, &mut follow)?
+        stages::followed(&mut rounds, request, time, &mut follow)?
     };
     let Rounds { scenery, people, courses, mut encounters, mut effort, reports, .. } = rounds;
     let begun_ns = clock::now_ns();
@@ -302,6 +301,9 @@ fn follow(
         &ranking,
         (&mut encounters, members.is_some()),
     );
+    if members.is_none() && !request.members.is_nominal() {
+        answer.missing.push("there was no time for members: the scene is ranked as stated".into());
+    }
     if let Some(members) = members {
         members.write(&mut answer, &ranking, &request.scenario.candidates);
         match worlds {

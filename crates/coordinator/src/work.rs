@@ -322,10 +322,6 @@ impl TaskSource for SurveyRun<'_> {
 
     fn accept(&mut self, now_ns: u64) {
         self.deadline_ns = self.limits.deadline_ns.map(|length_ns| now_ns + length_ns);
-        if self.deadline_ns.is_some() {
-            // After the deadline nothing may be left to do but to assess what was found.
-            while self.use_spare_time() {}
-        }
     }
 
     fn deadline_ns(&self) -> Option<u64> {

@@ -89,6 +89,10 @@ impl Members {
     /// The scene as stated.
     pub const NOMINAL: Self = Self { count: 1, most: 1 };
 
+    /// Where nothing is said: 32, at most 128. What they cost and how often they order two
+    /// candidates wrongly is measured in `tools/results/members.md`.
+    pub const USUAL: Self = Self { count: 32, most: 128 };
+
     /// How many are the most where nothing is said.
     #[must_use]
     pub fn usual_most(count: u32) -> u32 {

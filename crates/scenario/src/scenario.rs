@@ -118,8 +118,8 @@ pub struct Scenario {
     /// Within this distance (m), from 1e-5 to 0.1, contact that cannot be decided is possible and
     /// counts as contact.
     pub resolution_m: f64,
-    /// How many members are followed; `None`: nothing is said, so the scene as stated alone, or in
-    /// a service as many as it usually does.
+    /// How many members are followed; `None`: nothing is said, so [`Members::USUAL`], or in a
+    /// service as many as it usually does.
     pub members: Option<Members>,
     /// All bodies, sorted by name; 2 to 33.
     pub parties: Vec<Party>,
@@ -266,7 +266,7 @@ impl Scenario {
     /// How many members are followed where nothing else is asked for.
     #[must_use]
     pub fn members(&self) -> Members {
-        self.members.unwrap_or(Members::NOMINAL)
+        self.members.unwrap_or(Members::USUAL)
     }
 
     /// Reads a scenario that names no CSV file. `file` is its name in errors; nothing is opened.

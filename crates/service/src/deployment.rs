@@ -340,8 +340,9 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         let help = "queue may be 1 to 16: a client asks one thing at a time";
         return wrong("queue", "queue is out of range".to_owned(), help);
     }
-    let members = Members::new(raw.members.unwrap_or(1), raw.members_max)
-        .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
+    let members =
+        Members::new(raw.members.unwrap_or(i64::from(Members::USUAL.count)), raw.members_max)
+            .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
     let engine = EngineSettings::DEFAULT
         .apply(&raw.engine)
         .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;

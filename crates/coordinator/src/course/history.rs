@@ -112,7 +112,7 @@ impl SearchClock {
     }
 
     /// Whether there is a deadline.
-    fn has_limit(&self) -> bool {
+    pub(super) fn has_limit(&self) -> bool {
         !matches!(self.limit, TimeLimit::Never)
     }
 

@@ -184,8 +184,7 @@ impl<'s> Members<'s> {
                 return Err(RequestError::Overlap { party, replaced: self.replaced });
             }
             let scenario = self.scenery.scenario;
-            let sequence =
-                self.sequence.get_or_insert_with(|| MemberSequence::new(scenario));
+            let sequence = self.sequence.get_or_insert_with(|| MemberSequence::new(scenario));
             let draw = sequence.draw(self.next);
             self.next += 1;
             let member = Member::drawn(&self.scenery, &draw)

@@ -2,7 +2,7 @@
 //! rounds.
 
 use super::assessed_contact::{assessed, contact, settle};
-use super::history::Surveyor;
+use super::history::{SearchClock, Surveyor};
 use super::member::Members;
 use super::persons::People;
 use super::plan_scene::ContactScene;
@@ -55,6 +55,8 @@ pub(super) struct Rounds<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
+    /// Whether what is followed now is a part of what was asked for, all of which is wanted.
+    pub(super) is_part: bool,
     /// The extremes of each body, as far as they were asked for: for members, of whom each asks
     /// much the same.
     extremes: Vec<Extremes>,
@@ -93,7 +95,8 @@ impl Round {
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
     let mut rounds = Rounds::new(stage, request, Until::Complete);
     let mut surveyor = Surveyor::replay(&[], &[]);
-    rounds.search(&mut surveyor, None).expect("they can be assessed").contacts
+    let time = SearchClock::until(None);
+    rounds.search(&mut surveyor, &time).expect("they can be assessed").contacts
 }
 
 /// The expected harm of every candidate; `harms[m][k]` is that of candidate k in member m.
@@ -121,6 +124,7 @@ impl<'r> Rounds<'r> {
             request,
             scenery,
             stop: Stop::new(until, &criteria.policy, people.stakes()),
+            is_part: false,
             people,
             courses,
             members,
@@ -153,11 +157,17 @@ impl<'r> Rounds<'r> {
         self.members.list.len() - 1
     }
 
-    /// Searches for the contact that comes next in every course, as far as that matters.
+    /// Whether work may end before all of it is done.
+    fn is_watched(&self) -> bool {
+        self.stop.is_watched() && !self.is_part
+    }
+
+    /// Searches for the contact that comes next in every course, as far as that matters, and as far
+    /// as there is time.
     pub(super) fn search(
         &mut self,
         surveyor: &mut Surveyor<'_>,
-        is_due: Option<&dyn Fn() -> bool>,
+        time: &SearchClock,
     ) -> Result<Round, RunError> {
         let begun_ns = clock::now_ns();
         let (mut meetings, mut contacts) = (Vec::new(), Vec::new());
@@ -173,9 +183,9 @@ impl<'r> Rounds<'r> {
             }
             // Each look is at a later time than the last one at that party.
             loop {
-                self.look(&block, surveyor, is_due)?;
+                self.look(&block, surveyor, time)?;
                 for (k, found) in open.iter_mut().filter(|(_, found)| found.is_none()) {
-                    *found = self.next(*k)?;
+                    *found = self.next(*k, time)?;
                 }
                 if !self.courses[block.clone()].iter().any(Course::needs_looks) {
                     break;
@@ -211,7 +221,7 @@ impl<'r> Rounds<'r> {
     /// How many courses are searched together. Where work may end early, after each candidate there
     /// may be nothing left to do; of members only after all candidates together.
     fn block(&self) -> usize {
-        match (self.stop.is_watched(), self.drawn()) {
+        match (self.is_watched(), self.drawn()) {
             (false, _) => self.courses.len(),
             (true, 0) => 1,
             (true, _) => self.scenery.scenario.candidates.len(),
@@ -223,8 +233,10 @@ impl<'r> Rounds<'r> {
         &mut self,
         block: &Range<usize>,
         surveyor: &mut Surveyor<'_>,
-        is_due: Option<&dyn Fn() -> bool>,
+        time: &SearchClock,
     ) -> Result<(), RunError> {
+        let is_past = || time.is_past();
+        let is_due = time.is_watched().then_some(&is_past as &dyn Fn() -> bool);
         let (scenery, encounters) = (self.scenery, &mut self.encounters);
         let courses = &mut self.courses[block.clone()];
         for course in courses.iter_mut().filter(|course| course.needs_looks()) {
@@ -263,8 +275,13 @@ impl<'r> Rounds<'r> {
         Ok(())
     }
 
-    /// The next contact of a course that has to be surveyed; `None`, too, if that needs a look.
-    fn next(&mut self, k: usize) -> Result<Option<(NextContact, Candidate)>, RequestError> {
+    /// The next contact of a course that has to be surveyed; `None`, too, if that needs a look, or
+    /// there is no time.
+    fn next(
+        &mut self,
+        k: usize,
+        time: &SearchClock,
+    ) -> Result<Option<(NextContact, Candidate)>, RequestError> {
         let (stage, extremes) = (self.stage, &self.extremes[..]);
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
@@ -273,11 +290,17 @@ impl<'r> Rounds<'r> {
                 None => support_near(view, direction, near),
             }
         };
+        let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
         let course = &mut self.courses[k];
         if course.stuck.is_some() {
             return Ok(None);
         }
         while let Some(meeting) = course.way.next() {
+            // How it comes about, and its plane, take a millisecond where bodies are large.
+            if time.has_limit() && time.is_over() {
+                course.way.give_up();
+                return Ok(None);
+            }
             let contact = contact(&self.scenery, &self.people, course, &meeting, &support_of)?;
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
@@ -290,6 +313,11 @@ impl<'r> Rounds<'r> {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {
+                    if time.has_limit() {
+                        // After the deadline nothing may be left to do but to assess what was
+                        // found.
+                        contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
+                    }
                     return Ok(Some((meeting, contact)));
                 }
             }
@@ -303,7 +331,7 @@ impl<'r> Rounds<'r> {
         &mut self,
         found: &[(usize, NextContact, CandidateHarm)],
     ) -> Result<bool, RequestError> {
-        if !self.stop.is_watched() {
+        if !self.is_watched() {
             return Ok(false);
         }
         let harms = self.harms(found);
@@ -348,7 +376,7 @@ impl<'r> Rounds<'r> {
     /// Leaves open what cannot change what was asked for. Returns the contacts that still have to
     /// be surveyed.
     pub(super) fn spare(&mut self, round: Round) -> Result<Round, RequestError> {
-        if !self.stop.is_watched() {
+        if !self.is_watched() {
             return Ok(round);
         }
         let Round { mut meetings, mut contacts } = round;

@@ -4,13 +4,14 @@
 //! Only finished stages decide whether there is another one. A stage that time ends is left out:
 //! the answer is that of the stage before. So a complete answer depends on nothing but the request.
 
+use super::history::SearchClock;
 use super::rounds::{Rounds, means};
 use super::{Answer, Course, CourseRequest, CourseRow, Judged};
 use crate::request::RequestError;
 use crate::workspace::RunError;
 use damage::expected::{self, Lead, Spread, Spreads};
 use damage::{AnswerState, CourseHarm, Interval, RankedCandidates};
-use scenario::Candidate;
+use scenario::{Candidate, Members};
 use serde::Serialize;
 
 /// The members of an answer.
@@ -74,6 +75,8 @@ pub struct MetRow {
 /// What a stage has found.
 pub(super) struct MembersFound {
     row: MembersRow,
+    /// How many were asked for at first.
+    asked: u32,
     /// Per candidate.
     expected: Vec<ExpectedRow>,
 }
@@ -91,7 +94,7 @@ impl MembersFound {
         ranking: &RankedCandidates,
         candidates: &[Candidate],
     ) {
-        let Self { row, mut expected } = self;
+        let Self { row, asked, mut expected } = self;
         for (place, candidate) in ranking.places.iter().zip(&mut answer.ranking) {
             let own = core::mem::take(&mut expected[place.candidate]);
             if own.undecided > 0 {
@@ -119,35 +122,67 @@ impl MembersFound {
         answer.tie_class = tied;
         if row.is_late {
             answer.state = AnswerState::Degraded;
-            answer.missing.push(format!(
-                "the best two are too close to call with {} members, and there was no time for \
-                 more",
-                row.count
-            ));
+            answer.missing.push(if row.count < asked {
+                format!("there was no time for more than {} of {asked} members", row.count)
+            } else {
+                format!(
+                    "the best two are too close to call with {} members, and there was no time \
+                     for more",
+                    row.count
+                )
+            });
         }
         answer.members = Some(row);
     }
 }
 
+/// Members of the first part of a stage.
+const FIRST_PART: u32 = 4;
+
 /// Follows members in stages.
+///
+/// Where there is a deadline, the scene as stated is followed first, and of the first stage ever
+/// longer parts: if it is not finished in time, the answer is that of the last part that was. What
+/// is known of a member does not depend on the others, so a finished stage is the same either way.
 pub(super) fn followed<'r>(
     rounds: &mut Rounds<'r>,
     request: &CourseRequest<'r>,
+    time: &SearchClock,
     follow: &mut impl FnMut(&mut Rounds<'_>) -> Result<(), RunError>,
 ) -> Result<Judged, RunError> {
-    let most = request.members.most;
-    let mut count = request.members.count;
+    let Members { count: asked, most } = request.members;
     let mut finished: Option<Judged> = None;
+    let mut count = if time.has_limit() { 0 } else { asked };
     loop {
-        rounds.draw(count)?;
+        rounds.is_part = count < asked;
+        if count > 0 {
+            rounds.draw(count)?;
+        }
         follow(rounds)?;
-        let judged = judged(rounds, request, count)?;
+        let judged = match count {
+            0 => as_stated(rounds, request)?,
+            _ => judged(rounds, request, count)?,
+        };
         let is_done = judged.ranking.state == AnswerState::Complete;
+        let before = finished.filter(|before| before.ranking.state == AnswerState::Complete);
+        if rounds.is_part {
+            if time.is_over() {
+                return Ok(late(match before {
+                    Some(before) if !is_done => before,
+                    _ => judged,
+                }));
+            }
+            count = count.saturating_mul(2).clamp(FIRST_PART.min(asked), asked);
+            finished = Some(judged);
+            continue;
+        }
         let is_close = judged.members.as_ref().and_then(|found| found.row.lead);
         let is_close = is_close.is_some_and(|lead| lead.is_close());
-        match finished {
-            // It was not finished, and what it has found does not suffice.
-            Some(before) if judged.ranking.state == AnswerState::Degraded => {
+        let is_open = judged.ranking.state == AnswerState::Degraded;
+        match before {
+            // It was not finished, and what it has found does not suffice. Lost jobs are no reason
+            // to leave members out.
+            Some(before) if is_open && (count > asked || time.is_over()) => {
                 return Ok(late(before));
             }
             _ if !is_done || !is_close || count >= most => return Ok(judged),
@@ -155,6 +190,12 @@ pub(super) fn followed<'r>(
         }
         count = count.saturating_mul(2).min(most);
     }
+}
+
+/// The order of the scene as stated.
+fn as_stated(rounds: &mut Rounds<'_>, request: &CourseRequest<'_>) -> Result<Judged, RequestError> {
+    let harms = rounds.harms(&[]).remove(0);
+    Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)
 }
 
 /// A stage after which another one was not finished.
@@ -212,7 +253,8 @@ fn judged(
         lead: spreads.lead,
         is_late: false,
     };
-    judged.members = Some(MembersFound { row, expected: expected.collect() });
+    let asked = request.members.count;
+    judged.members = Some(MembersFound { row, asked, expected: expected.collect() });
     Ok(judged)
 }
 

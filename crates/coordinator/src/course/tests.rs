@@ -14,6 +14,7 @@ use damage::{AnswerState, Criteria, Policy};
 use executor::encounter::Encounters;
 use geometry::DVec3;
 use geometry::rng::Rng;
+use scenario::Members;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
@@ -54,7 +55,7 @@ pub(super) fn attempted(
         models: &models,
         shells: &shells,
         criteria,
-        members: scenario.members(),
+        members: scenario.members.unwrap_or(Members::NOMINAL),
         history: true,
         explanation: true,
         scene: true,

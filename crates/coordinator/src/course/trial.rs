@@ -199,7 +199,7 @@ pub fn random_courses(rng: &mut Rng) -> String {
             let count = between(2.0, 5.99) as u32;
             format!("members = {count}\nmembers_max = {}\n", count * between(1.0, 3.99) as u32)
         }
-        _ => String::new(),
+        _ => "members = 1\n".to_owned(),
     };
     let mut text = format!(
         "schema = \"trolley.scenario/2\"\nname = \"random\"\nhorizon_s = 3\n{members}\

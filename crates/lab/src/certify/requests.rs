@@ -175,7 +175,7 @@ pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> Result<Scene, 
 /// The head of a scene. The bodies themselves are passed beside it, and nobody is said to be in
 /// them.
 fn head() -> String {
-    "schema = \"trolley.scenario/2\"\nname = \"rng\"\nhorizon_s = 3\n[parties.ego]\n\
+    "schema = \"trolley.scenario/2\"\nname = \"rng\"\nhorizon_s = 3\nmembers = 1\n[parties.ego]\n\
      generate = { shape = \"sedan\", triangles = 500 }\n"
         .to_owned()
 }

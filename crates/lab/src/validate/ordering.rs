@@ -219,7 +219,7 @@ impl Ordering {
             parameters: parameters.clone(),
         };
         let scenario = Scenario::of_texts(texts, Vec::new())?;
-        let answer = engine.rank(&scenario, &Limits::default())?.answer;
+        let answer = engine.rank(&scenario, &Limits::default().with_members(1, None)?)?.answer;
         Ok((scenario, answer))
     }
 }

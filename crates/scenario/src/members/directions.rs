@@ -238,15 +238,13 @@ fn place(motion: &Motion, time_s: f64) -> Place {
 fn approach(ego: &Sampled<'_>, other: &Sampled<'_>, step_s: f64, gradients: &mut Vec<Gradient>) {
     let Some(number) = other.other else { return };
     let between = |time: usize| ego.places[time].position_m - other.places[time].position_m;
-    let nearest = (0..=TIMES).min_by(|a, b| {
-        between(*a).length_squared().total_cmp(&between(*b).length_squared())
-    });
+    let nearest = (0..=TIMES)
+        .min_by(|a, b| between(*a).length_squared().total_cmp(&between(*b).length_squared()));
     let time = nearest.unwrap_or(0);
     let (before, after) = (time.saturating_sub(1), (time + 1).min(TIMES));
     let lasts_s = (after - before) as f64 * step_s;
-    let [v_ego, v_other] = [ego, other].map(|of| {
-        (of.places[after].position_m - of.places[before].position_m) / lasts_s
-    });
+    let [v_ego, v_other] = [ego, other]
+        .map(|of| (of.places[after].position_m - of.places[before].position_m) / lasts_s);
     let closing = v_ego - v_other;
     let speed = closing.length();
     let late_s = if speed > 0.0 {

@@ -49,7 +49,7 @@ pub(crate) struct Scenario {
     #[schemars(range(min = limit::RESOLUTION_M.least, max = limit::RESOLUTION_M.most))]
     pub(crate) resolution_m: Option<f64>,
     /// In how many members of what is known only up to errors the candidates are followed; 1: in
-    /// the scene as stated alone. Default 1.
+    /// the scene as stated alone. Default 32.
     #[schemars(range(min = limit::MEMBERS.least, max = limit::MEMBERS.most))]
     pub(crate) members: Option<i64>,
     /// How many members there are at most: they are doubled while the best two candidates differ by

@@ -13,7 +13,7 @@ pub(super) fn members(count: Option<i64>, most: Option<i64>) -> Result<Option<Me
     if (count, most) == (None, None) {
         return Ok(None);
     }
-    let members = Members::new(count.unwrap_or(1), most);
+    let members = Members::new(count.unwrap_or(i64::from(Members::USUAL.count)), most);
     members.map(Some).map_err(|misfit| Fault { path: Path::default().key(misfit.setting), misfit })
 }
 
