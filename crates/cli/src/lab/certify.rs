@@ -18,6 +18,7 @@ Examples:
   trolley certify bounds --stops 100000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
+  trolley certify deadline --members 32 --candidates 16 --others 12 --deadline-ms 100
   trolley certify budget --body sedan:20000 --body suv:20000
   trolley certify members --scenes 12 config/scenarios/crossing.toml";
 
@@ -124,6 +125,17 @@ pub(crate) struct DeadlineArgs {
     /// Maximum number of tests per job.
     #[arg(long, value_name = "TESTS", default_value_t = BUDGET)]
     budget: u64,
+    /// Follow the candidates in N members at first, and in up to 128 where the best two are too
+    /// close to call.
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=128))]
+    members: u32,
+    /// Number of candidates of each request, 1 to 16 [default: 6 to 16].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+    candidates: Option<u8>,
+    /// Number of parties besides the ego, 1 to 32 [default: up to twice as many as bodies].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=32))]
+    others: Option<u8>,
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -178,6 +190,9 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
                 workers: args.workers,
                 load: args.load,
                 budget: args.budget,
+                members: args.members,
+                candidates: args.candidates.map(usize::from),
+                others: args.others.map(usize::from),
             };
             let report = deadline(&options, &told)?;
             show(&report, || report.text(), output)

@@ -1,7 +1,7 @@
 //! How late answers are: a histogram over many requests, some of adversarial cost.
 
 use super::figures::{Class, classes, names, percentile};
-use super::requests::{self, Pool};
+use super::requests::{self, Extent, Pool};
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{
     Backend, BodySet, CourseRequest, InProcessExecutor, Options, RequestLimits, WorkerPool,
@@ -12,6 +12,7 @@ use dispatch::Queues;
 use geometry::rng::Rng;
 use runtime::{affinity, clock};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -35,6 +36,12 @@ pub struct DeadlineOptions {
     pub load: usize,
     /// Maximum number of tests per job.
     pub budget: u64,
+    /// In how many members the candidates are followed, at first.
+    pub members: u32,
+    /// Ways of the ego; `None`: 6 to 16.
+    pub candidates: Option<usize>,
+    /// Parties besides the ego; `None`: up to twice as many as there are bodies.
+    pub others: Option<usize>,
 }
 
 /// How late answers were.
@@ -47,8 +54,13 @@ pub struct DeadlineReport {
     workers: u8,
     cores: usize,
     load: usize,
+    /// How many ways of the ego, and parties besides it, requests have.
+    candidates: String,
+    others: String,
     /// Answers by state: complete, certified, degraded, refused.
     states: [u64; 4],
+    /// The same by how many members the answer is of; 1: of the scene as stated.
+    by_members: BTreeMap<u32, [u64; 4]>,
     /// Answers by how late they were.
     late_ms: Vec<Class>,
     /// Against the deadline: median, 99 %, 99.9 %, all.
@@ -78,8 +90,14 @@ pub fn deadline(
     let mut rng = Rng::new(options.seed);
     let mut asked = Vec::new();
     while asked.len() < ROUND.min(options.requests as usize) {
-        let candidates = 6 + rng.below(11) as usize;
-        asked.push(requests::scene(&views, candidates, false, &mut rng)?);
+        let some = 6 + rng.below(11) as usize;
+        let extent = Extent {
+            candidates: options.candidates.unwrap_or(some),
+            others: options.others,
+            members: options.members,
+            is_unavoidable: false,
+        };
+        asked.push(requests::scene(&views, extent, &mut rng)?);
     }
     if pool.names[0] == pool.names[1] {
         // Identical bodies that coincide in every triangle.
@@ -146,6 +164,8 @@ struct Asked {
     own: Vec<f64>,
     /// Number of answers in each state.
     states: [u64; 4],
+    /// The same by how many members the answer is of.
+    by_members: BTreeMap<u32, [u64; 4]>,
 }
 
 fn ask(
@@ -166,6 +186,8 @@ fn ask(
         all.own.push(ranked.effort.judge_ns as f64 / 1e6);
         all.late.push(took_ms - options.deadline_ms);
         all.states[answer.state as usize] += 1;
+        let members = answer.members.as_ref().map_or(1, |members| members.count);
+        all.by_members.entry(members).or_default()[answer.state as usize] += 1;
         let is_sure = matches!(answer.state, AnswerState::Complete | AnswerState::Certified);
         let first = answer.ranking.first().map(|row| &row.name);
         if let (true, Some(winner), Some(first)) = (is_sure, &winners[at], first)
@@ -181,7 +203,9 @@ fn ask(
 }
 
 fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> DeadlineReport {
-    let Asked { mut late, mut own, states } = all;
+    let Asked { mut late, mut own, states, by_members } = all;
+    let some = || format!("{} to {}", bodies.len() - 1, 2 * bodies.len() - 2);
+    let others = options.others.map_or_else(some, |count| count.to_string());
     DeadlineReport {
         schema: "trolley.certify-deadline/1",
         bodies,
@@ -190,7 +214,10 @@ fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> Deadlin
         workers: options.workers,
         cores: affinity::allowed_cores().len(),
         load: options.load,
+        candidates: options.candidates.map_or("6 to 16".into(), |count| count.to_string()),
+        others,
         states,
+        by_members,
         late_ms: classes(&late, &CLASSES_MS),
         late: [0.5, 0.99, 0.999, 1.0].map(|share| percentile(&mut late, share)),
         own_ms: [0.5, 0.99, 1.0].map(|share| percentile(&mut own, share)),
@@ -203,11 +230,13 @@ impl DeadlineReport {
     pub fn text(&self) -> String {
         let [complete, certified, degraded, refused] = self.states;
         let mut text = format!(
-            "{} requests of 6 to 16 candidates among {} bodies ({}), each due after {} ms (put \
+            "{} requests of {} candidates and {} others of {} bodies ({}), each due after {} ms (put \
              together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
              complete, {certified} certified, {degraded} degraded, {refused} refused.\n\n| later \
              than due by (ms) | answers |\n|--:|--:|\n",
             self.requests,
+            self.candidates,
+            self.others,
             self.bodies.len(),
             names(&self.bodies),
             self.deadline_ms,
@@ -226,6 +255,19 @@ impl DeadlineReport {
             // A String takes whatever it is given.
             let _written = writeln!(text, "| {class} | {count} |");
             least = up_to.or(least);
+        }
+        if self.by_members.keys().any(|members| *members > 1) {
+            let _written = writeln!(
+                text,
+                "\n| members | complete | certified | degraded | refused |\n|--:|--:|--:|--:|--:|"
+            );
+            for (members, [complete, certified, degraded, refused]) in &self.by_members {
+                let name = if *members == 1 { "as stated".into() } else { members.to_string() };
+                let _written = writeln!(
+                    text,
+                    "| {name} | {complete} | {certified} | {degraded} | {refused} |"
+                );
+            }
         }
         let ([half, p99, p999, last], [own_half, own_p99, own_most]) = (self.late, self.own_ms);
         let _written = writeln!(

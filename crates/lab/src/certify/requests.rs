@@ -108,17 +108,30 @@ impl Scene {
     }
 }
 
-/// A scene of so many ways of the ego, and up to twice as many others as the pool has. With
-/// `unavoidable`, all others stand close around the ego's ways.
+/// How large a random scene is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// Ways of the ego.
+    pub(super) candidates: usize,
+    /// Parties besides the ego; `None`: up to twice as many as the pool has bodies.
+    pub(super) others: Option<usize>,
+    /// In how many members the candidates are followed.
+    pub(super) members: u32,
+    /// All others stand close around the ego's ways.
+    pub(super) is_unavoidable: bool,
+}
+
+/// A random scene.
 pub(super) fn scene(
     views: &[(Meta, BodyView<'_>)],
-    candidates: usize,
-    unavoidable: bool,
+    extent: Extent,
     rng: &mut Rng,
 ) -> Result<Scene, Failure> {
-    let count = views.len() - 1 + rng.below(views.len() as u64) as usize;
+    let Extent { candidates, others, members, is_unavoidable: unavoidable } = extent;
+    let some = views.len() - 1 + rng.below(views.len() as u64) as usize;
+    let count = others.unwrap_or(some);
     let mut models = vec![0];
-    let mut text = head();
+    let mut text = head(members);
     for number in 0..count {
         let model = 1 + number % (views.len() - 1);
         models.push(model);
@@ -159,7 +172,7 @@ pub(super) fn scene(
 /// The ego and an identical body that coincide in every triangle; another one, and the last body,
 /// in the way.
 pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> Result<Scene, Failure> {
-    let mut text = head();
+    let mut text = head(1);
     party(&mut text, 0, "state = { position_m = [0, 0, 0], speed_m_s = 5 }");
     party(&mut text, 1, "place = { position_m = [30, 0.2, 0] }");
     for (number, speed) in [15, 10, 5].into_iter().enumerate() {
@@ -174,10 +187,11 @@ pub(super) fn interpenetrating(views: &[(Meta, BodyView<'_>)]) -> Result<Scene, 
 
 /// The head of a scene. The bodies themselves are passed beside it, and nobody is said to be in
 /// them.
-fn head() -> String {
-    "schema = \"trolley.scenario/2\"\nname = \"rng\"\nhorizon_s = 3\nmembers = 1\n[parties.ego]\n\
-     generate = { shape = \"sedan\", triangles = 500 }\n"
-        .to_owned()
+fn head(members: u32) -> String {
+    format!(
+        "schema = \"trolley.scenario/2\"\nname = \"rng\"\nhorizon_s = 3\nmembers = {members}\n\
+         [parties.ego]\ngenerate = {{ shape = \"sedan\", triangles = 500 }}\n"
+    )
 }
 
 /// A party. Names sort in the order of their numbers, behind the ego.

@@ -1,7 +1,7 @@
 //! After what share of the work the winner, or the order, is certain.
 
 use super::figures::{median, names, percentile};
-use super::requests::{self, Pool, Scene};
+use super::requests::{self, Extent, Pool, Scene};
 use crate::progress::{Progress, SyncProgress};
 use body::Shells;
 use coordinator::{
@@ -125,7 +125,11 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
             return Err(Failure::input(what).with_remedy("name other bodies: --body"));
         }
         let candidates = 6 + rng.below(11) as usize;
-        let scene = requests::scene(&views, candidates, options.unavoidable, &mut rng)?;
+        let scene = requests::scene(
+            &views,
+            Extent { candidates, others: None, members: 1, is_unavoidable: options.unavoidable },
+            &mut rng,
+        )?;
         let number = wholes.len();
         let of = (&scene, &shells[..]);
         let whole = run(&stage, of, number, Until::Complete, &mut backend)?;

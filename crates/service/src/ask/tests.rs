@@ -88,7 +88,7 @@ fn what_a_scenario_asks_is_what_the_engine_gets() {
         )
         .replacen("[parties.wall]", "[parties.wall]\nerrors = { lateral_m = 0.01 }", 1);
     for (text, ids, models, members) in [
-        (SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..], (1, 1)),
+        (SCENARIO, &[1, 3, 2][..], &[0, 2, 1][..], (32, 128)),
         (&more, &[1, 1, 3, 2], &[0, 0, 2, 1], (8, 64)),
     ] {
         let scenario = Scenario::parse("wall-or-pole.toml", text).unwrap();
@@ -202,7 +202,7 @@ fn every_mistake_has_its_reason_and_says_where() {
         (|ask, _| ask.members = u32::MAX, Reason::OutOfRange, "members may be 1 to 1024"),
         (|ask, _| ask.set_members(8, 4), Reason::OutOfRange, "the request: members_max is 4"),
         (|ask, _| ask.set_members(8, 1025), Reason::OutOfRange, "members_max is 1025"),
-        (|ask, _| ask.set_members(0, 2), Reason::OutOfRange, "nothing is drawn"),
+        (|ask, _| ask.set_members(0, 2), Reason::OutOfRange, "members is 32"),
         (|ask, _| ask.set_members(1, 2), Reason::OutOfRange, "nothing is drawn"),
         (|ask, _| ask.model_set[31] = 6, Reason::OtherModels, "other bodies"),
         (|ask, v| ask.horizon_s = v, Reason::OutOfRange, "horizon_s"),
