@@ -109,7 +109,7 @@ pub(super) fn read(
             seen += 1;
             let way = &ways[place.deck];
             if let Some(first) = way.iter().position(|before| plain(before) == plain(name)) {
-                let circle = [&way[first..], &[name.clone()]].concat().join(" → ");
+                let circle = [&way[first..], std::slice::from_ref(name)].concat().join(" → ");
                 return Err(deck.fail(*place, MeshDefect::IncludesItself(circle), into));
             }
             if way.len() > INCLUDES_MAX {
@@ -137,7 +137,7 @@ pub(super) fn read(
         }
         let Some((Include { name, place }, content)) = waiting.pop() else { break };
         into.hasher.update(&content);
-        ways.push([&ways[place.deck][..], &[name.clone()]].concat());
+        ways.push([&ways[place.deck][..], std::slice::from_ref(&name)].concat());
         deck.add(&name, &content, into)?;
     }
     deck.emit(into)

@@ -31,6 +31,7 @@ pub struct Reading {
 }
 
 /// The kind that goes by a name of [`shape`].
+#[must_use]
 pub fn likely_kind(looks_like: &str) -> Option<BodyKind> {
     Some(match looks_like {
         "a car" => BodyKind::Sedan,
