@@ -29,8 +29,8 @@ impl Triangulator {
     /// Returns triangles as indices of corners. Requires 3 to [`CORNERS_MAX`] corners, all finite.
     ///
     /// A polygon without area, or one that crosses itself so that ears do not cover it, gives the
-    /// fan from corner 0, so nothing is lost: every corner is one of a triangle, or lies between
-    /// its neighbours.
+    /// fan from corner 0, so nothing is lost: every corner is one of a triangle, or lies on a side
+    /// of one.
     pub(super) fn cut(&mut self, corners: &[[f64; 3]]) -> &[[usize; 3]] {
         self.triangles.clear();
         self.flatten(corners);
@@ -54,15 +54,23 @@ impl Triangulator {
         &self.triangles
     }
 
-    /// Adds a triangle for each corner that no ear has and that does not lie between its
-    /// neighbours: ears leave out the tip of a spike, and loops of equal area the other way round.
+    /// Adds a triangle for each corner that no ear has and that lies on no side of one: ears leave
+    /// out the tip of a spike, and loops of equal area the other way round.
     fn keep_all(&mut self, corners: &[[f64; 3]]) {
         let count = corners.len();
         let mut is_kept = vec![false; count];
         self.triangles.iter().flatten().for_each(|corner| is_kept[*corner] = true);
         for at in (0..count).filter(|at| !is_kept[*at]) {
-            let (before, after) = ((at + count - 1) % count, (at + 1) % count);
-            if !is_between(corners[at], [corners[before], corners[after]]) {
+            let sides = |t: &[usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+            let is_on = |side: [usize; 2]| is_between(corners[at], side.map(|end| corners[end]));
+            if self.triangles.iter().flat_map(sides).any(is_on) {
+                continue;
+            }
+            // Corners in one place have the same neighbours.
+            let elsewhere = |other: &usize| corners[*other] != corners[at];
+            let before = (1..count).map(|steps| (at + count - steps) % count).find(elsewhere);
+            let after = (1..count).map(|steps| (at + steps) % count).find(elsewhere);
+            if let Some((before, after)) = before.zip(after) {
                 self.triangles.push([before, at, after]);
             }
         }

@@ -118,6 +118,17 @@ fn a_ring_that_crosses_itself_hides_nothing() {
     assert_eq!((triangles.len(), seen), (2, [true; 4]));
 }
 
+/// Regression: of two corners in one place each was taken to lie beside the other.
+#[test]
+fn corners_in_one_place_are_not_lost_together() {
+    let ring =
+        [[2.0, 3.0], [1.0, 1.0], [1.0, 3.0], [1.0, 3.0], [1.0, 0.0], [-1.0, -1.0], [-1.0, 0.0]];
+    let corners = lift(&ring, 2, [0.0, 0.0]);
+    let mut triangulator = Triangulator::new();
+    let triangles = triangulator.cut(&corners);
+    assert!(triangles.iter().flatten().any(|corner| ring[*corner] == [1.0, 3.0]), "{triangles:?}");
+}
+
 /// Regression: ears left out the tip of a spike, since it has no area.
 #[test]
 fn the_tip_of_a_spike_is_kept() {
