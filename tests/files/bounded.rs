@@ -141,7 +141,7 @@ fn every_command_names_the_file_whose_contents_are_odd() {
     // Whoever may read everything may read this, too.
     let closed = place.path().join("closed");
     std::fs::write(&closed, "a = 1\n").unwrap();
-    std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o0)).unwrap();
     files.extend(std::fs::read(&closed).is_err().then_some(closed));
     let mut faults = Vec::new();
     for file in &files {

@@ -66,7 +66,7 @@ fn a_key_that_stands_twice_is_named_with_both_its_lines() {
 
 /// Runs a command that must name the second place, the first line and a remedy.
 fn assert_twice(args: &[String], place: &str, first: usize) {
-    let refused = trolley().args(args).output().unwrap();
+    let refused = trolley().args(args).output().expect("it can be started");
     let error = text(&refused.stderr) + &text(&refused.stdout);
     assert!(matches!(refused.status.code(), Some(65 | 78)), "{args:?}: {error}");
     assert!(error.contains(place), "{args:?}: {error}");
