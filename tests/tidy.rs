@@ -32,6 +32,7 @@ const LAYERS: &[&str] = &[
     "geometry",
     "protocol",
     "xml",
+    "keys",
     "body",
     "shapes",
     "bvh",
@@ -62,7 +63,7 @@ const SIBLINGS: &[&str] = &["report", "simulate", "coordinator", "worker", "clie
 const ONLY: &[(&str, &[&str])] = &[
     // No importer; their tests are about shapes.
     ("bvh", &["diagnostic", "geometry", "body", "shapes"]),
-    ("damage", &["diagnostic", "geometry", "body"]),
+    ("damage", &["diagnostic", "geometry", "body", "keys"]),
     ("record", &["diagnostic", "body", "scenario"]),
     ("dispatch", &["diagnostic", "protocol"]),
     ("simulate", &["diagnostic", "geometry", "dispatch", "protocol"]),
@@ -103,6 +104,7 @@ const PURE: &[&str] = &[
     "geometry",
     "protocol",
     "xml",
+    "keys",
     "body",
     "shapes",
     "mesh",

@@ -5,6 +5,7 @@
 use crate::support::service::shipped;
 use crate::support::{Place, text, trolley, wait_for, ways};
 use std::io::Write as _;
+use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
@@ -74,8 +75,8 @@ const COMMANDS: &[&str] = &[
 /// Folders are an input of these.
 const OF_FOLDERS: [&str; 3] = ["record verify ?", "report ? --out OUT.html", "model check ?"];
 
-#[test]
-fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
+/// A place with the files that the commands name.
+fn with_files() -> Place {
     let place = Place::new();
     std::fs::create_dir(place.path().join("folder")).unwrap();
     place.write("SIX.toml", &ways(600));
@@ -89,20 +90,91 @@ fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
     ] {
         std::fs::copy(shipped(from), place.path().join(name)).unwrap();
     }
+    place
+}
+
+/// The words of a command line that reads this file.
+fn words(place: &Place, line: &str, file: &Path) -> Vec<String> {
+    let word = |word: &str| match word {
+        "?" => utf8(file).to_owned(),
+        _ if word.contains('?') => word.replace('?', utf8(file)),
+        _ if word.starts_with(|c: char| c.is_uppercase()) => {
+            utf8(&place.path().join(word)).to_owned()
+        }
+        _ => word.to_owned(),
+    };
+    line.split(' ').map(word).collect()
+}
+
+/// Contents that no command expects, by their name.
+fn odd_contents() -> Vec<(&'static str, Vec<u8>)> {
+    let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 23) as u8;
+    let utf_16 = "schema = \"a\"\n".encode_utf16().flat_map(u16::to_le_bytes);
+    vec![
+        ("empty", Vec::new()),
+        ("a line feed", b"\n".to_vec()),
+        ("zeros", vec![0; 5_000]),
+        ("noise", (0..5_000).map(noise).collect()),
+        ("a byte order mark", b"\xEF\xBB\xBF".to_vec()),
+        ("UTF-16", [0xFF, 0xFE].into_iter().chain(utf_16).collect()),
+        ("Latin-1", b"name = \"caf\xE9\"\n".to_vec()),
+        ("one long line", vec![b'x'; 200_000]),
+        ("nested lists", [b"a = ".to_vec(), vec![b'['; 100_000]].concat()),
+        ("nested JSON", vec![b'['; 100_000]),
+        ("an open string", b"name = \"never closed".to_vec()),
+        ("a key twice", b"a = 1\na = 2\n".to_vec()),
+        ("a mesh", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
+        ("a program", b"\x7FELF\x02\x01\x01\0\0\0\0\0\0\0\0\0".to_vec()),
+    ]
+}
+
+/// Whatever a file holds, the command that reads it says which file it is, and what would help.
+#[test]
+fn every_command_names_the_file_whose_contents_are_odd() {
+    let place = with_files();
+    let mut files: Vec<PathBuf> = vec![place.path().join("missing"), "/dev/null".into()];
+    for (number, (_, content)) in odd_contents().iter().enumerate() {
+        let path = place.path().join(format!("odd-{number}"));
+        std::fs::write(&path, content).unwrap();
+        files.push(path);
+    }
+    // Whoever may read everything may read this, too.
+    let closed = place.path().join("closed");
+    std::fs::write(&closed, "a = 1\n").unwrap();
+    std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o0)).unwrap();
+    files.extend(std::fs::read(&closed).is_err().then_some(closed));
+    let mut faults = Vec::new();
+    for file in &files {
+        // A catalogue is parsed only if the traffic file refers to it.
+        for line in COMMANDS.iter().filter(|line| !line.contains("--catalog")) {
+            let args = words(&place, line, file);
+            let args: Vec<&str> = args.iter().map(String::as_str).collect();
+            let output = ended(&args);
+            let said = text(&output.stdout) + &text(&output.stderr);
+            let names = said.contains(utf8(file)) && said.contains("help: ");
+            let is_refused = matches!(output.status.code(), Some(65 | 78));
+            if !names || !is_refused || said.contains("panicked") {
+                let said: String = said.chars().take(400).collect();
+                faults.push(format!(
+                    "{:?} {line} {}\n{said}",
+                    output.status.code(),
+                    file.display()
+                ));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n\n"));
+}
+
+#[test]
+fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
+    let place = with_files();
     for file in &no_inputs(&place) {
         for line in COMMANDS {
             if file.is_dir() && OF_FOLDERS.contains(line) {
                 continue;
             }
-            let word = |word: &str| match word {
-                "?" => utf8(file).to_owned(),
-                _ if word.contains('?') => word.replace('?', utf8(file)),
-                _ if word.starts_with(|c: char| c.is_uppercase()) => {
-                    utf8(&place.path().join(word)).to_owned()
-                }
-                _ => word.to_owned(),
-            };
-            let args: Vec<String> = line.split(' ').map(word).collect();
+            let args = words(&place, line, file);
             let args: Vec<&str> = args.iter().map(String::as_str).collect();
             let output = ended(&args);
             let said = text(&output.stdout) + &text(&output.stderr);

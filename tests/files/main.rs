@@ -15,4 +15,5 @@ mod real;
 mod references;
 mod report;
 mod traffic;
+mod widths;
 mod words;

@@ -202,6 +202,59 @@ fn of_help(command: &str) -> Vec<String> {
     commands
 }
 
+/// The commands within the sentences of a page, between backticks, which may go over lines.
+fn inline(page: &str) -> Vec<String> {
+    let mut prose = String::new();
+    let mut is_block = false;
+    for line in page.lines() {
+        if line.starts_with("```") {
+            is_block = !is_block;
+        } else if !is_block {
+            prose += line;
+            // Between two paragraphs no code goes on.
+            prose.push(if line.is_empty() { '\n' } else { ' ' });
+        }
+    }
+    let paragraphs = prose.lines().flat_map(|paragraph| paragraph.split('`').skip(1).step_by(2));
+    let is_one = |code: &&str| code.starts_with("cargo x ") || as_program(code).is_some();
+    paragraphs.filter(is_one).map(str::to_owned).collect()
+}
+
+/// Checks that `cargo x` has a task, and its flags: the names of its types and fields.
+fn assert_task(line: &str) {
+    let mut source = String::new();
+    let mut folders = vec![root().join("tools/src")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                source += &std::fs::read_to_string(&path).unwrap();
+            }
+        }
+    }
+    let mut words = line.split_whitespace();
+    let task = words.next().unwrap();
+    let variant = task[..1].to_uppercase() + &task[1..];
+    let is_there =
+        [",", "(", " {"].iter().any(|end| source.contains(&format!("    {variant}{end}")));
+    assert!(is_there, "no task {task}: cargo x {line}");
+    for flag in words.filter_map(|word| word.strip_prefix("--")) {
+        let field = format!("{}: ", flag.replace('-', "_"));
+        assert!(source.contains(&field), "no flag --{flag}: cargo x {line}");
+    }
+}
+
+/// Regression: commands in sentences were not looked at, and named flags that were gone.
+#[test]
+fn commands_in_sentences_are_found() {
+    let page = "See `trolley\nrank a.toml`, `x` and\n\n```sh\ntrolley no\n```\n`cargo x check`.\n";
+    assert_eq!(inline(page), ["trolley rank a.toml", "cargo x check"]);
+    let refused = std::panic::catch_unwind(|| assert_task("compare --no-such-flag"));
+    assert!(refused.is_err());
+}
+
 /// Lines that end in a backslash, joined with the next.
 fn joined(lines: Vec<String>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
@@ -318,8 +371,14 @@ fn pages_of_results_name_files_and_flags_that_exist() {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "md") {
                 let page = std::fs::read_to_string(&path).unwrap();
-                for command in of_page(&page).iter().filter(|line| line.starts_with("trolley ")) {
-                    clone.assert_parsed(command);
+                let mut commands = of_page(&page);
+                commands.extend(inline(&page));
+                for command in &commands {
+                    if let Some(task) = command.strip_prefix("cargo x ") {
+                        assert_task(task);
+                    } else if let Some(command) = as_program(command) {
+                        clone.assert_parsed(&command);
+                    }
                     count += 1;
                 }
             }
@@ -389,7 +448,8 @@ fn top_ends_with_its_reader() {
         .unwrap();
     let query =
         "trolley query config/deployments/minimal.toml config/scenarios/minimal.toml --wait";
-    let asked = clone.shell(query);
+    // On a machine that has other work, too: this is about the reader of `top`.
+    let asked = clone.shell(&format!("{query} --deadline-ms 20000"));
     let read = clone.shell("timeout 10 trolley top config/deployments/minimal.toml | head -1");
     signal(service.id(), Signal::TERM);
     let ended = wait_for(5_000, || service.try_wait().unwrap());

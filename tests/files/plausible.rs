@@ -1,6 +1,7 @@
 //! What is allowed and hardly true is said beside the winner, refused with `--strict`, and the same
 //! in a replay.
 
+use crate::support::service::{deployment, of_ways, serve};
 use crate::support::{Place, json, run, text, ways};
 
 /// A lorry of 25 kg, in one of six ways.
@@ -74,4 +75,35 @@ fn a_replay_says_the_same() {
     let (out, error) = (text(&replayed.stdout), text(&replayed.stderr));
     assert_eq!(replayed.status.code(), Some(0), "{error}");
     assert!(out.contains("bit for bit"), "{out}");
+}
+
+/// The client says it: a service has no notes, and neither does its answer.
+#[test]
+fn a_query_says_what_is_hardly_true_as_rank_does() {
+    let place = Place::new();
+    let scenario = place.write("crash.toml", &light_lorry());
+    let file = scenario.to_str().unwrap();
+    let doubts = |output: &std::process::Output| {
+        let document = json(output);
+        let answer = document.get("answer").unwrap_or(&document);
+        (answer["implausible"].clone(), answer["ranking"][0]["name"].clone())
+    };
+    let ranked = doubts(&run(&["rank", file, "--in-process", "--json"]));
+    assert_eq!(ranked.0[0]["party"], "truck");
+
+    let serving = serve(&deployment(&place, 2, &of_ways(600)), &[]);
+    assert_eq!(doubts(&serving.query(&scenario, &["--json"])), ranked);
+    let table = text(&serving.query(&scenario, &[]).stdout);
+    let said = "IMPLAUSIBLE: \"truck\" weighs 25 kg, a truck 1000 to 60000 kg: is it in tonnes?";
+    assert!(table.contains(said), "{table}");
+    let row = table.lines().skip_while(|line| !line.starts_with("1 ")).nth(1).unwrap();
+    assert!(row.contains("! implausible"), "beside the winner: {table}");
+    let members = text(&serving.query(&scenario, &["--members", "4"]).stdout);
+    assert!(members.contains(said) && members.contains("! implausible"), "{members}");
+
+    let plausible = place.write("true.toml", &ways(600));
+    let table = text(&serving.query(&plausible, &[]).stdout);
+    assert!(table.contains("COMPLETE") && !table.contains("mplausible"), "{table}");
+    assert!(json(&serving.query(&plausible, &["--json"])).get("implausible").is_none());
+    serving.end();
 }

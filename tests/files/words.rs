@@ -1,6 +1,7 @@
 //! The command line's words: names of flags, the standard input, full disks, little memory.
 
-use crate::support::{Place, run, text, trolley};
+use crate::support::{Place, run, text, trolley, ways};
+use crate::traffic::crossing;
 use std::process::{Command, Stdio};
 
 #[test]
@@ -18,17 +19,60 @@ fn flags_are_named_as_they_are_written() {
     }
 }
 
+/// In every file that a person writes, whichever reads it: the key, both lines, and the remedy.
 #[test]
-fn a_key_that_stands_twice_is_named() {
+fn a_key_that_stands_twice_is_named_with_both_its_lines() {
     let place = Place::new();
-    let twice = "schema = \"trolley.scenario/2\"\nname = \"a\"\nname = \"b\"\n";
-    let file = place.write("twice.toml", twice);
-    let error = text(&run(&["rank", file.to_str().unwrap()]).stderr);
-    assert!(error.contains("twice.toml:3:1: \"name\" stands here a second time"), "{error}");
-    let file = place.write("policy.toml", "schema = 1\nname = \"a\"\nname = \"b\"\n");
-    let checked = trolley().args(["policy", "check"]).arg(file).output().unwrap();
-    let error = text(&checked.stderr);
-    assert!(error.contains("policy.toml:3:1: \"name\" stands here a second time"), "{error}");
+    let name = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 2 3\nf 1 2 4\nf 1 3 4\n";
+    place.write("body.obj", mesh);
+    place.write("true.toml", &ways(600));
+    place.write("crossing.xml", &crossing(0.5, "parkedVehicle"));
+    let test = "[{\"id\": \"a\", \"group\": \"g\",\n\"mass_kg\": 1000,\n\"mass_kg\": 1000}]";
+    place.write("tests.json", test);
+    let toml = |schema: &str| format!("schema = \"{schema}\"\nmass_kg = 1\nmass_kg = 2\n");
+    let files: [(&str, &str, &[&str]); 8] = [
+        ("scenario.toml", "trolley.scenario/2", &["rank", "?"]),
+        ("policy.toml", "trolley.policy/1", &["policy", "check", "?"]),
+        ("curves.toml", "trolley.curves/1", &["policy", "check", "config", "--curves", "?"]),
+        ("deployment.toml", "trolley.deployment/1", &["query", "?", "true.toml"]),
+        ("library.toml", "trolley.bodies/1", &["rank", "crossing.xml", "--bodies", "?"]),
+        ("body.toml", "", &["model", "import", "body.obj", "--kind", "pole", "-o", "out.trolley"]),
+        ("plan.toml", "trolley.faults/1", &["inject", "?"]),
+        ("orderings.toml", "trolley.orderings/1", &["validate", "?"]),
+    ];
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/policies/default.toml");
+    for (file, schema, args) in files {
+        place.write(file, &toml(schema));
+        let word = |word: &&str| match *word {
+            "?" => name(file),
+            "config" => config.to_owned(),
+            other if other.contains('.') => name(other),
+            other => other.to_owned(),
+        };
+        let args: Vec<String> = args.iter().map(word).collect();
+        assert_twice(&args, &format!("{file}:3"), 2);
+    }
+    assert_twice(&["validate".to_owned(), name("tests.json")], "tests.json:3", 2);
+    // What a scenario names.
+    for key in ["policy", "curves", "parameters"] {
+        place.write("named.toml", &toml("x"));
+        let head = "schema = \"trolley.scenario/2\"\n";
+        let scenario = ways(600).replace(head, &format!("{head}{key} = \"named.toml\"\n"));
+        place.write("naming.toml", &scenario);
+        assert_twice(&["rank".to_owned(), name("naming.toml")], "named.toml:3", 2);
+    }
+}
+
+/// Runs a command that must name the second place, the first line and a remedy.
+fn assert_twice(args: &[String], place: &str, first: usize) {
+    let refused = trolley().args(args).output().expect("it can be started");
+    let error = text(&refused.stderr) + &text(&refused.stdout);
+    assert!(matches!(refused.status.code(), Some(65 | 78)), "{args:?}: {error}");
+    assert!(error.contains(place), "{args:?}: {error}");
+    let says = format!("\"mass_kg\" stands here a second time: it is in line {first} already");
+    assert!(error.contains(&says), "{args:?}: {error}");
+    assert!(error.contains("leave one of them out"), "{args:?}: {error}");
 }
 
 #[test]
@@ -150,4 +194,57 @@ fn every_command_has_a_man_page() {
     assert!(count > 25, "{count} pages");
     let one = trolley().args(["man", "model", "import"]).output().unwrap();
     assert!(text(&one.stdout).contains("trolley\\-model\\-import"), "{}", text(&one.stdout));
+}
+
+/// Regression: a file of another kind was refused for its bytes or its keys, with remedies that led
+/// nowhere, and `init` wrote a scenario that could not be ranked.
+#[test]
+fn a_file_of_another_kind_is_told_and_so_is_the_way() {
+    let place = Place::new();
+    let name = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/examples/car.stl");
+    std::fs::copy(mesh, name("car.stl")).unwrap();
+    place.write("scenario.toml", &ways(600));
+    let (mesh, model, scenario) = (name("car.stl"), name("car.trolley"), name("scenario.toml"));
+    let made = trolley()
+        .args(["model", "import", &mesh, "--unit", "cm", "--up", "z", "--forward", "-y"])
+        .args(["--kind", "sedan", "-o", &model, "--json"])
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    let cases: [(&[&str], i32, &str, &str); 6] = [
+        (&["rank", &mesh], 65, "car.stl: it is a mesh, and no scenario", "help tutorial"),
+        (
+            &["rank", &model],
+            65,
+            "car.trolley: it is a model file, and no scenario",
+            "help tutorial",
+        ),
+        (&["init", &name("a.toml"), "--body", &mesh], 65, "it is no model file", "model import"),
+        (
+            &["serve", &scenario],
+            65,
+            "scenario.toml:1:1: schema \"trolley.scenario/2\" is not that of a deployment",
+            "is it the right file?",
+        ),
+        (&["query", &scenario, &scenario], 65, "is not that of a deployment", "deployment/1"),
+        (&["model", "import", &mesh, "-o", &name("b.trolley")], 65, "was not said", "model info "),
+    ];
+    for (args, code, says, help) in cases {
+        let refused = trolley().args(args).output().unwrap();
+        let error = text(&refused.stderr);
+        let kinds = [Some(code), Some(78)];
+        assert!(kinds.contains(&refused.status.code()), "{args:?}: {error}");
+        assert!(error.contains(says), "{args:?}: {error}");
+        let remedy = error.split("help: ").nth(1).unwrap_or_default();
+        assert!(remedy.contains(help), "{args:?}: {error}");
+    }
+    assert!(!place.path().join("a.toml").exists());
+
+    // What a mesh is offered as is what an import makes of it.
+    let info = trolley().args(["model", "info", &mesh, "--json"]).output().unwrap();
+    let offered = crate::support::json(&info);
+    let (offered, made) = (&offered["readings"][0], crate::support::json(&made));
+    assert_eq!(offered["kind"], "sedan", "{offered}");
+    assert_eq!(offered["mass_kg"], made["body"]["mass_kg"], "{offered}");
 }

@@ -17,5 +17,6 @@ mod measure;
 mod members;
 mod serve;
 mod sign;
+mod signals;
 mod strangers;
 mod supervise;

@@ -63,6 +63,8 @@ pub(crate) fn left_in_shm(instance: &str) -> Vec<String> {
 pub(crate) fn trolley() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_trolley"));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    // Texts are as wide here as wherever else no terminal reads them.
+    command.env_remove("COLUMNS");
     command
 }
 

@@ -1,6 +1,6 @@
 //! `cargo x check`: the steps that a change must pass, fastest first.
 
-use crate::step::Step;
+use crate::step::{Step, now};
 use crate::unpacked;
 use anyhow::Result;
 use std::io::Write as _;
@@ -111,7 +111,10 @@ const WITH_DATA: Step = Step {
 pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitCode> {
     let mut out = std::io::stdout().lock();
     let data = Path::new(DATA).is_dir().then_some(&WITH_DATA);
-    for step in steps.into_iter().chain(data) {
+    let steps: Vec<&Step> = steps.into_iter().chain(data).collect();
+    let begun = now();
+    for (number, step) in steps.iter().enumerate() {
+        write!(out, "{:>2}/{} ", number + 1, steps.len())?;
         let outcome = if step.name == PACKAGE.name {
             unpacked::run_fresh(step, &mut out)?
         } else {
@@ -126,5 +129,6 @@ pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitC
             "LEFT OUT: ../shared/data does not exist; see the tests that are ignored for it";
         writeln!(out, "{:<7} {left_out}", WITH_DATA.name)?;
     }
+    writeln!(out, "{} steps in {:.0} s", steps.len(), begun.elapsed().as_secs_f64())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,7 @@
 //! One run of cargo: prints a line with its time on success, its whole output on failure.
 //!
 //! The summary lines of test runners are always shown, and so are tests skipped because a tool is
-//! missing.
+//! missing, and that cargo waits for another one.
 
 #[cfg(test)]
 mod tests;
@@ -71,6 +71,8 @@ impl Step {
             let text = String::from_utf8_lossy(&said[from..]);
             let closing = Tally::of(&text);
             let shown = if closing.is_some() { Some(&*text) } else { skipped(&text) };
+            let waits = waits(&text);
+            let shown = shown.or(waits.as_deref());
             if let Some(shown) = shown {
                 let before = if std::mem::replace(&mut has_shown, true) { "" } else { "\n" };
                 write!(out, "{before}{shown}")?;
@@ -81,8 +83,10 @@ impl Step {
         let status = child.wait()?;
 
         let seconds = start.elapsed().as_secs_f64();
-        if has_shown {
+        if tests.runners > 0 {
             write!(out, "{:<7} {tests} ... ", self.name)?;
+        } else if has_shown {
+            write!(out, "{:<7} ", self.name)?;
         }
         writeln!(out, "{} {seconds:.1} s", if status.success() { "ok" } else { "FAILED" })?;
         if !status.success() {
@@ -99,8 +103,16 @@ pub(crate) fn cargo() -> Command {
 }
 
 #[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
-fn now() -> Instant {
+pub(crate) fn now() -> Instant {
     Instant::now()
+}
+
+/// What to say when cargo waits for a lock that another cargo holds: its line is the only sign.
+fn waits(line: &str) -> Option<String> {
+    let lock = line.trim().strip_prefix("Blocking waiting for file lock on ")?;
+    Some(format!(
+        "        waits for another cargo, which holds the lock of the {lock}; ends when that does\n"
+    ))
 }
 
 /// What a line says that a test has left out; it may begin with that of another test.

@@ -3,10 +3,9 @@
 
 use crate::ranking_table::{self, StatedRow, share};
 use crate::table::{circumstances, kept, percent};
-use report::text::wrap;
 use trolley::{Answer, AnswerState, ContactRow, CourseRow, Note, Run, Severity, WorldsRow};
 
-/// The ranking as text: a table between sentences, at most 100 columns wide.
+/// The ranking as text: a table between sentences.
 pub(crate) fn ranking(name: &str, answer: &Answer, run: &Run) -> String {
     let rows = match answer.members {
         None => stated(answer),
@@ -75,17 +74,12 @@ fn meets(row: &CourseRow) -> String {
     lines.join("\n")
 }
 
-/// Whether the place of a candidate may owe to what is hardly true: that of the first, and of each
-/// that meets somebody of whom it is.
+/// As [`ranking_table::is_marked`].
 fn is_marked(answer: &Answer, row: &CourseRow) -> bool {
     let is_first = answer.ranking.first().is_some_and(|first| first.name == row.name);
-    let mut parties = answer.implausible.iter().filter_map(|one| one.party.as_deref());
-    let is_met = parties.any(|party| {
-        let expected = row.expected.iter().flat_map(|of| &of.meets);
-        row.contacts.iter().any(|contact| contact.party == party)
-            || expected.into_iter().any(|met| met.party == party)
-    });
-    is_met || (is_first && !answer.implausible.is_empty())
+    let expected = row.expected.iter().flat_map(|of| &of.meets).map(|met| &*met.party);
+    let met = row.contacts.iter().map(|contact| &*contact.party).chain(expected);
+    ranking_table::is_marked(&answer.implausible, is_first, met)
 }
 
 fn contact(contact: &ContactRow) -> String {
@@ -120,7 +114,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
-    lines.extend(answer.implausible.iter().map(|one| format!("IMPLAUSIBLE: {}", one.sentence())));
+    lines.extend(ranking_table::implausible(&answer.implausible));
     lines.push(format!("{took}."));
     lines.extend(members(answer));
     lines.extend(lead(answer));
@@ -148,8 +142,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         let how = worker.lost.as_deref().unwrap_or_default();
         lines.push(format!("Note: worker {} was lost ({how}).", worker.worker));
     }
-    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
-    wrapped.join("\n") + "\n"
+    lines.join("\n") + "\n"
 }
 
 /// How sure the first place is.

@@ -22,7 +22,7 @@ pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
         let document = Document { schema: "trolley.doctor/1", build: BUILD, findings: &findings };
         print::out(&print::json(&document)?)?;
     } else {
-        print::out(&page(&findings))?;
+        print::lines(&page(&findings))?;
     }
     let has_problem = findings.iter().any(|finding| finding.level == FindingLevel::Problem);
     Ok(if has_problem { FailureKind::CheckFailed.into() } else { ExitCode::SUCCESS })

@@ -50,6 +50,10 @@ fn beside(scenario: &Path, body: &Path) -> Result<String, Failure> {
         let failure = Failure::input("there is no such file").at(body.display());
         return Err(failure.with_remedy("make it first: trolley model import, or model generate"));
     };
+    if !trolley::model::open::is_model(body) {
+        let failure = Failure::input("it is no model file").at(body.display());
+        return Err(failure.with_remedy("make one of it: trolley model import"));
+    }
     let folder = scenario.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = there(folder.unwrap_or(Path::new(".")));
     let inside = folder.as_deref().and_then(|folder| whole.strip_prefix(folder).ok());

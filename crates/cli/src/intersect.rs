@@ -216,7 +216,10 @@ pub(crate) fn run(args: &IntersectArgs, output: &Output) -> Result<ExitCode, Fai
         limits: args.limits.into(),
     };
     let intersected = reading(output, |told| intersect.run(told))?;
-    print::out(&if output.json { print::line(&intersected)? } else { text(&intersected) })
+    if output.json {
+        return print::out(&print::line(&intersected)?);
+    }
+    print::lines(&text(&intersected))
 }
 
 /// The result, and how it was computed.

@@ -238,7 +238,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
             if output.json {
                 return print::out(&print::json(&info)?);
             }
-            print::out(&match &info {
+            print::lines(&match &info {
                 Info::Body(info) => text::table(&info.body, None, &[]),
                 Info::Mesh(info) => text::mesh(info),
             })
@@ -281,7 +281,7 @@ fn check(args: &CheckArgs, output: &Output) -> Result<ExitCode, Failure> {
             if output.json || output.quiet && verdict.ok {
                 return Ok(());
             }
-            print::out(&text::verdict(verdict)).map(drop)
+            print::lines(&text::verdict(verdict)).map(drop)
         })?;
     if output.json {
         print::out(&print::json(&checked)?)?;
@@ -323,5 +323,5 @@ fn result(
     if output.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    print::out(&text())
+    print::lines(&text())
 }

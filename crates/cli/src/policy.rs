@@ -3,9 +3,9 @@
 use crate::output::Output;
 use crate::print;
 use crate::reference_args::ReferenceArgs;
-use crate::table::{lines, plain};
+use crate::table::table;
 use clap::{Args, Subcommand};
-use report::text::wrap;
+use report::table::Column;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -134,11 +134,11 @@ fn check(
             let verdict = if one.is_sound() { "is sound" } else { "is refused" };
             print::out(&format!("{file}: {kind} \"{name}\" {verdict}"))?;
             for says in &one.says {
-                print::out(&wrap(&format!("  {says}")))?;
+                print::text(&format!("  {says}"))?;
             }
             let kept = one.regressions.iter().filter(|regression| regression.fault.is_none());
             for regression in kept {
-                print::out(&wrap(&format!("  {}", as_stated(regression))))?;
+                print::text(&format!("  {}", as_stated(regression)))?;
             }
         }
         for one in &checked {
@@ -197,7 +197,7 @@ fn draw_map(asked: &MapArgs, output: &Output) -> Result<ExitCode, Failure> {
         }
         print::out(&print::json(&Document { schema: "trolley.policy-map/1", map: &map })?)?;
     } else {
-        print::out(&winners(&map))?;
+        print::text(&winners(&map))?;
     }
     if let Some(out) = out {
         let (page, svg) = (report::policy_map::page, report::policy_map::svg);
@@ -210,26 +210,33 @@ fn draw_map(asked: &MapArgs, output: &Output) -> Result<ExitCode, Failure> {
 
 /// The table of a map.
 fn winners(map: &PolicyMap) -> String {
-    let mut table = plain(&["policy", "curves", "wins", "comes last", "as good, within the model"]);
+    const COLUMNS: [Column; 5] = [
+        Column::words("policy", 12),
+        Column::words("curves", 8).dispensable(2),
+        Column::words("wins", 12),
+        Column::words("comes last", 12).dispensable(1),
+        Column::words("as good, within the model", 16),
+    ];
     let winner = |row: &MapRow| match (&row.winner, &row.fault) {
         (Some(winner), _) => winner.clone(),
         (None, Some(_)) => "not ranked".to_owned(),
         (None, None) => "nobody".to_owned(),
     };
-    for row in &map.rows {
-        table.add_row([
+    let cells = |row: &MapRow| {
+        vec![
             row.policy.clone(),
             row.curves.clone(),
             winner(row),
             row.last.clone().unwrap_or_default(),
             if row.tied.is_empty() { "–".to_owned() } else { row.tied.join(", ") },
-        ]);
-    }
+        ]
+    };
+    let rows: Vec<Vec<String>> = map.rows.iter().map(cells).collect();
     let mut said =
-        vec![format!("{}. Who wins under which policy?", map.scenario), lines(table, &[])];
+        vec![format!("{}. Who wins under which policy?", map.scenario), table(&COLUMNS, &rows)];
     for row in &map.rows {
         for note in row.notes.iter().chain(&row.fault) {
-            said.push(wrap(&format!("{}, {}: {note}", row.policy, row.curves)));
+            said.push(format!("{}, {}: {note}", row.policy, row.curves));
         }
     }
     said.join("\n")

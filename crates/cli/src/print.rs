@@ -1,5 +1,6 @@
 //! The only place that writes to stdout and stderr.
 
+use report::text::{COLUMNS, fold, wrap};
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
@@ -8,6 +9,33 @@ use trolley::{Failure, FailureKind};
 /// Prints a result and a line feed.
 pub(crate) fn out(text: &str) -> Result<ExitCode, Failure> {
     out_bytes(format!("{}\n", text.trim_end()).as_bytes())
+}
+
+/// Prints sentences: lines break at the width of the terminal, or at [`COLUMNS`].
+pub(crate) fn text(text: &str) -> Result<ExitCode, Failure> {
+    let columns = columns().unwrap_or(COLUMNS);
+    out(&text.split('\n').map(|line| wrap(line, columns)).collect::<Vec<_>>().join("\n"))
+}
+
+/// Prints lines of labels and values; they break at the width of the terminal, if there is one.
+pub(crate) fn lines(text: &str) -> Result<ExitCode, Failure> {
+    out(&folded(text))
+}
+
+/// Lines of labels and values, broken as by [`lines`].
+pub(crate) fn folded(text: &str) -> String {
+    columns().map_or_else(|| text.to_owned(), |columns| fold(text, columns))
+}
+
+/// The width of the terminal that reads stdout: `COLUMNS`, if that is set; `None` if no terminal
+/// reads it.
+pub(crate) fn columns() -> Option<usize> {
+    /// Narrower, no table can be read; wider, no line.
+    const RANGE: [usize; 2] = [40, 120];
+    let said = std::env::var_os("COLUMNS").and_then(|said| said.to_str()?.parse::<usize>().ok());
+    let term = || console::Term::stdout().size_checked().map(|(_, columns)| columns.into());
+    let columns = said.filter(|columns| *columns > 0).or_else(term)?;
+    Some(columns.clamp(RANGE[0], RANGE[1]))
 }
 
 /// A document as readable JSON.

@@ -10,12 +10,11 @@ use client::public::{
     Reason, WireAnswer, WireContact, WireExpected, WireMet, WirePersons, WirePlace, WireState, flag,
 };
 use client::{Client, Waiting};
-use report::text::wrap;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use trolley::{Failure, FailureKind, OpenDeployment, Scenario};
+use trolley::{Failure, FailureKind, Implausible, OpenDeployment, Scenario};
 
 /// The example of the laboratory.
 #[cfg(feature = "lab")]
@@ -90,6 +89,9 @@ struct Document<'a> {
     ranking: Vec<Row<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     members: Option<Members>,
+    /// As `trolley rank` prints it: what is allowed and hardly true.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    implausible: &'a [Implausible],
 }
 
 /// The members that harm is the mean of, as `trolley rank` prints them.
@@ -205,11 +207,16 @@ pub(crate) fn run(options: &QueryArgs, output: &Output) -> Result<ExitCode, Fail
         return Ok(if latency.is_right() { shown } else { FailureKind::CheckFailed.into() });
     }
     let answer = client.ask(&ask, patience);
+    // After the answer: it does not wait for the models to be read.
+    let doubts = doubts(&opened, &named, &answer).unwrap_or_else(|failure| {
+        output.say(&format!("note: what is hardly true was not looked for: {failure}"));
+        Vec::new()
+    });
     if output.json {
-        let document = document(scenario, &answer);
+        let document = document(scenario, &answer, &doubts);
         print::out(&print::json(&document)?)?;
     } else if answer.verdict().has_ranking() {
-        print::out(&ranking(scenario, &answer))?;
+        print::text(&ranking(scenario, &answer, &doubts))?;
     }
     match answer.verdict() {
         WireState::Complete | WireState::Certified => Ok(ExitCode::SUCCESS),
@@ -245,6 +252,26 @@ fn connected<T, E: Into<Failure>>(
     }
 }
 
+/// What the scenario states, and what the first candidate does, that is hardly true: the service
+/// does not say it.
+fn doubts(
+    opened: &OpenDeployment,
+    named: &Scenario,
+    answer: &WireAnswer,
+) -> Result<Vec<Implausible>, Failure> {
+    if !answer.verdict().has_ranking() {
+        return Ok(Vec::new());
+    }
+    let mut doubts = opened.implausible(named)?;
+    let free = answer.ranking().first().filter(|best| best.flags & flag::TOUCHES_NOBODY != 0);
+    doubts.extend(free.and_then(|best| {
+        let is_known = best.flags & flag::NEAREST != 0;
+        let nearest = (party(named.parsed(), best.nearest_party), best.nearest_m);
+        scenario::unmet(name_of(named.parsed(), best.candidate), is_known.then_some(nearest))
+    }));
+    Ok(doubts)
+}
+
 fn code(answer: &WireAnswer) -> FailureKind {
     match (answer.verdict(), answer.reason()) {
         (WireState::Busy, _) | (_, Reason::NoService | Reason::Stopping) => FailureKind::TryAgain,
@@ -260,7 +287,11 @@ fn party(scenario: &scenario::Scenario, number: u32) -> &str {
     scenario.parties.get(number as usize).map_or("?", |party| &party.name)
 }
 
-fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Document<'a> {
+fn document<'a>(
+    scenario: &'a scenario::Scenario,
+    answer: &'a WireAnswer,
+    doubts: &'a [Implausible],
+) -> Document<'a> {
     let contact = |contact: &WireContact| Contact {
         party: party(scenario, contact.party),
         time_s: contact.time_s,
@@ -304,6 +335,7 @@ fn document<'a>(scenario: &'a scenario::Scenario, answer: &'a WireAnswer) -> Doc
         worked_us: answer.worked_ns as f64 / 1e3,
         ranking: answer.ranking().iter().map(row).collect(),
         members,
+        implausible: doubts,
     }
 }
 
@@ -358,17 +390,27 @@ fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     lines.join("\n")
 }
 
+/// As [`ranking_table::is_marked`], for the candidate in this place.
+fn is_marked(
+    scenario: &scenario::Scenario,
+    (at, place): (usize, &WirePlace),
+    doubts: &[Implausible],
+) -> bool {
+    let expected = place.expected().into_iter().flat_map(|of| of.listed()).map(|met| met.party);
+    let met = place.listed().iter().map(|contact| contact.party).chain(expected);
+    ranking_table::is_marked(doubts, at == 0, met.map(|number| party(scenario, number)))
+}
+
 /// The table of candidates in the scene as stated.
-fn stated(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
-    ranking_table::stated(answer.ranking().iter().map(|place| {
+fn stated(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implausible]) -> String {
+    ranking_table::stated(answer.ranking().iter().enumerate().map(|(at, place)| {
         let who = || {
             let seat = WirePersons::seat_name(place.worst_seat);
             ranking_table::worst_off(party(scenario, place.worst_party), seat)
         };
         let is_known = place.flags & flag::PERSON != 0;
         StatedRow {
-            // A service has no notes on what is implausible.
-            is_marked: false,
+            is_marked: is_marked(scenario, (at, place), doubts),
             name: name_of(scenario, place.candidate),
             meets: meets(scenario, place),
             worst: is_known.then(|| (who(), place.worst[1])),
@@ -379,11 +421,16 @@ fn stated(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
 }
 
 /// The table of candidates over members.
-fn over_members(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
+fn over_members(
+    scenario: &scenario::Scenario,
+    answer: &WireAnswer,
+    doubts: &[Implausible],
+) -> String {
     let met = |met: &WireMet| (party(scenario, met.party), met.probability, met.from_s);
-    let rows = answer.ranking().iter().filter_map(|place| place.expected().map(|of| (place, of)));
-    ranking_table::expected(rows.map(|(place, of)| ranking_table::ExpectedRow {
-        is_marked: false,
+    let rows = answer.ranking().iter().enumerate();
+    let rows = rows.filter_map(|(at, place)| place.expected().map(|of| (at, place, of)));
+    ranking_table::expected(rows.map(|(at, place, of)| ranking_table::ExpectedRow {
+        is_marked: is_marked(scenario, (at, place), doubts),
         name: name_of(scenario, place.candidate),
         meets: of.listed().iter().map(met).collect(),
         more: (of.met_count as usize).saturating_sub(of.listed().len()),
@@ -400,7 +447,7 @@ fn over_members(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
 }
 
 /// The ranking as text.
-fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
+fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implausible]) -> String {
     let all = answer.ranking();
     let has = |place: &WirePlace, bit: u32| place.flags & bit != 0;
     let name = |place: &WirePlace| name_of(scenario, place.candidate);
@@ -410,8 +457,8 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     let best_name = best.map_or("?", name);
     let over = best.and_then(|best| best.expected().map(|of| (best, of)));
     let table = match over {
-        Some(_) => over_members(scenario, answer),
-        None => stated(scenario, answer),
+        Some(_) => over_members(scenario, answer, doubts),
+        None => stated(scenario, answer, doubts),
     };
     let mut lines = Vec::new();
     let hits_nobody = all.iter().any(WirePlace::hits_nobody);
@@ -419,6 +466,7 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     if !free.is_empty() && !free.contains(&best_name) {
         lines.push(format!("First under the policy: {best_name}."));
     }
+    lines.extend(ranking_table::implausible(doubts));
     lines.push(format!(
         "{}: answered in {:.0} µs, after {:.0} µs of waiting.",
         answer.verdict().name().to_uppercase(),
@@ -445,8 +493,7 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer) -> String {
     if !answer.text().is_empty() {
         lines.push(format!("Note: {}", answer.text()));
     }
-    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
-    format!("{table}\n\n{}", wrapped.join("\n"))
+    format!("{table}\n\n{}", lines.join("\n"))
 }
 
 fn has_worlds(answer: &WireAnswer) -> bool {

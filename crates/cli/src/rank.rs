@@ -9,6 +9,7 @@ use crate::{course_table, print, traffic};
 use clap::Args;
 use report::pictures;
 use report::plan::PlanPage;
+use report::text::COLUMNS;
 use report::work::WorkDone;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -149,7 +150,8 @@ fn draw(
     engine: &Engine,
 ) -> Result<(), Failure> {
     let bodies = engine.bodies().map(pictures::bodies).transpose()?.unwrap_or_default();
-    let explanation = ranking.explanation.as_ref().map(report::explain::text);
+    let explanation = ranking.explanation.as_ref();
+    let explanation = explanation.map(|of| report::explain::text(of, COLUMNS));
     let page = PlanPage {
         scenario: name,
         answer: &ranking.answer,
@@ -171,10 +173,11 @@ fn show(name: &str, ranking: &Ranking, explains: bool, output: &Output) -> Resul
         print::out(&print::json(&document)?)?;
         return Ok(());
     }
-    print::out(&course_table::ranking(name, answer, run))?;
+    print::text(&course_table::ranking(name, answer, run))?;
     if let Some(explanation) = explanation {
-        print::out(&course_table::courses(answer))?;
-        print::out(&format!("\n{}", report::explain::text(explanation)))?;
+        print::lines(&course_table::courses(answer))?;
+        let columns = print::columns().unwrap_or(COLUMNS);
+        print::out(&format!("\n{}", report::explain::text(explanation, columns)))?;
     }
     Ok(())
 }

@@ -1,7 +1,9 @@
 //! The tables of candidates, and the sentences below them, whether the answer is one of this
 //! process or of a service.
 
-use crate::table::{lines, percent, plain};
+use crate::table::{percent, table};
+use report::table::Column;
+use trolley::Implausible;
 
 /// A candidate in the scene as stated.
 pub(crate) struct StatedRow<'a> {
@@ -51,30 +53,44 @@ pub(crate) struct Spread {
 
 /// The table of candidates in the scene as stated.
 pub(crate) fn stated<'a>(rows: impl Iterator<Item = StatedRow<'a>>) -> String {
-    let header = ["#", "candidate", "meets", "worst-off person", "harm %", "range %"];
-    let mut table = plain(&header);
-    for (at, row) in rows.enumerate() {
+    const COLUMNS: [Column; 6] = [
+        Column::numbers("#"),
+        Column::words("candidate", 12),
+        Column::words("meets", 24),
+        Column::words("worst-off person", 14).dispensable(1),
+        Column::numbers("harm %"),
+        Column::figures("range %").dispensable(2),
+    ];
+    let rows = rows.enumerate().map(|(at, row)| {
         let worst = match row.worst {
             Some((who, risk)) if risk > 0.0 => format!("{who} {:.1} %", 100.0 * risk),
             _ => "–".to_owned(),
         };
-        table.add_row([
+        vec![
             (at + 1).to_string(),
             row.name.to_owned(),
             row.meets + mark(row.is_marked),
             worst,
             harm(row.work),
             range(row.range),
-        ]);
-    }
-    lines(table, &[0, 4])
+        ]
+    });
+    table(&COLUMNS, &rows.collect::<Vec<_>>())
 }
 
 /// The table of candidates over members.
 pub(crate) fn expected<'a>(rows: impl Iterator<Item = ExpectedRow<'a>>) -> String {
-    let header = ["#", "candidate", "meets", "harm %", "5–95 %", "range %", "best in", "worlds"];
-    let mut table = plain(&header);
-    for (at, row) in rows.enumerate() {
+    const COLUMNS: [Column; 8] = [
+        Column::numbers("#"),
+        Column::words("candidate", 12),
+        Column::words("meets", 24),
+        Column::figures("harm %"),
+        Column::figures("5–95 %").dispensable(4),
+        Column::figures("range %").dispensable(2),
+        Column::numbers("best in").dispensable(1),
+        Column::numbers("worlds").dispensable(3),
+    ];
+    let rows = rows.enumerate().map(|(at, row)| {
         let harm = match &row.spread {
             Some(spread) if spread.error > 0.0 => {
                 format!("{} ± {}", harm(row.work), percent(spread.error))
@@ -83,7 +99,7 @@ pub(crate) fn expected<'a>(rows: impl Iterator<Item = ExpectedRow<'a>>) -> Strin
         };
         let spread =
             |text: &dyn Fn(&Spread) -> String| row.spread.as_ref().map_or("–".into(), text);
-        table.add_row([
+        vec![
             (at + 1).to_string(),
             row.name.to_owned(),
             expected_meets(&row) + mark(row.is_marked),
@@ -92,9 +108,26 @@ pub(crate) fn expected<'a>(rows: impl Iterator<Item = ExpectedRow<'a>>) -> Strin
             range(row.range),
             spread(&|s| share(s.best)),
             row.worlds.map_or("–".into(), share),
-        ]);
-    }
-    lines(table, &[0, 6, 7])
+        ]
+    });
+    table(&COLUMNS, &rows.collect::<Vec<_>>())
+}
+
+/// Whether the place of a candidate may owe to what is hardly true: that of the first, and of each
+/// that meets somebody of whom it is.
+pub(crate) fn is_marked<'a>(
+    implausible: &[Implausible],
+    is_first: bool,
+    mut met: impl Iterator<Item = &'a str>,
+) -> bool {
+    let is_doubted =
+        |party: &str| implausible.iter().any(|one| one.party.as_deref() == Some(party));
+    (is_first && !implausible.is_empty()) || met.any(is_doubted)
+}
+
+/// What is hardly true, one a line.
+pub(crate) fn implausible(all: &[Implausible]) -> impl Iterator<Item = String> {
+    all.iter().map(|one| format!("IMPLAUSIBLE: {}", one.sentence()))
 }
 
 /// The line below whom a candidate meets, if it is marked.

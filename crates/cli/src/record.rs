@@ -4,7 +4,6 @@ use crate::output::Output;
 use crate::print;
 use crate::reference_args::ReferenceArgs;
 use clap::Subcommand;
-use report::text::wrap;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -175,8 +174,8 @@ fn verify(path: &Path, options: &VerifyOptions, output: &Output) -> Result<ExitC
     lines.extend(copy.map(|copy| format!("{}: what it counts is here", copy.display())));
     lines.push(proof.to_string());
     // The first line begins with a path, which is not broken.
-    lines.iter_mut().skip(1).for_each(|line| *line = wrap(line));
-    print::out(&lines.join("\n"))
+    print::out(&lines[0])?;
+    print::text(&lines[1..].join("\n"))
 }
 
 /// What `--json` prints of a replay.

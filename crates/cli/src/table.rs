@@ -1,31 +1,14 @@
 //! Tables and figures, as all commands print them.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use crate::print;
+use report::table::{Column, fitted};
 use report::text::COLUMNS;
 use trolley::Run;
 use trolley::run::Kept;
 
-/// A table without lines, at most as wide as a terminal.
-pub(crate) fn plain(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(COLUMNS);
-    table.set_header(header);
-    table
-}
-
-/// The lines of a table whose columns of these numbers are aligned to the right.
-pub(crate) fn lines(mut table: Table, right: &[usize]) -> String {
-    for (number, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((u16::from(number > 0), 0));
-        if right.contains(&number) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let table = table.to_string();
-    let lines: Vec<&str> = table.lines().map(str::trim_end).collect();
-    lines.join("\n")
+/// The lines of a table that fits the terminal, and below it what it leaves out for that.
+pub(crate) fn table(columns: &[Column], rows: &[Vec<String>]) -> String {
+    fitted(columns, rows, print::columns().unwrap_or(COLUMNS))
 }
 
 /// "8 bodies · 412k triangles · 4 workers on cores 0, 1".

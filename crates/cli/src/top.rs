@@ -78,6 +78,7 @@ pub(crate) fn run(options: &TopArgs, output: &Output) -> Result<ExitCode, Failur
             print::line(&document(&health, rate))?
         } else {
             let page = page(&health, rate, &deployment.instance);
+            let page = print::folded(&page);
             if clears { format!("\x1b[H\x1b[2J{page}") } else { page }
         };
         let is_read = print::page(&format!("{}\n", text.trim_end_matches('\n')))?;

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 use diagnostic::{Diagnostic, FailureKind};
+use keys::Twice;
 use std::borrow::Cow;
 
 /// A data file that is refused.
@@ -69,17 +70,15 @@ impl Source<'_> {
     pub(crate) fn malformed(&self, error: &toml::de::Error, keys: &str) -> DataFileError {
         const TRAITS: [&str; 6] = ["age", "sex", "gender", "condition", "race", "disability"];
         let span = error.span().unwrap_or(0..0);
-        let key = self.text.get(span.clone()).map(str::trim).unwrap_or_default();
-        let twice = format!("\"{key}\" stands here a second time");
-        // The reader points at the key, and does not say which it is.
-        let is_twice = error.message() == "duplicate key";
-        let message = if is_twice { &twice } else { error.message() };
+        if let Some(twice) = Twice::in_toml(self.text, error) {
+            return self.fault(span, twice.what(), Twice::REMEDY);
+        }
+        let message = error.message();
         let trait_ = TRAITS.iter().find(|t| message.contains(&format!("unknown field `{t}`")));
         let remedy = match trait_ {
             Some(t) => format!(
                 "remove it: harm is never weighed by {t}; persons carry kind, body and seat only"
             ),
-            None if is_twice => "leave one of them out".to_owned(),
             None => keys.to_owned(),
         };
         self.fault(span, message, remedy)

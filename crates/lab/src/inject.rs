@@ -36,6 +36,7 @@ use geometry::rng::Rng;
 use kind::Kind;
 use plan::Plan;
 use report::Report;
+use runtime::{Poller, Wake};
 use serving::Serving;
 use std::path::{Path, PathBuf};
 use trolley::bodies::{Bodies, SILENT};
@@ -65,6 +66,7 @@ pub struct InjectOptions {
 /// If the plan or its scenario cannot be read, or the machine refuses what workers need. The
 /// effects of faults are no error: see [`Injected::is_survived`].
 pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injected, Failure> {
+    let mut told_to_end = ToldToEnd::listen()?;
     let plan = Plan::read(&options.plan)?;
     options.junit.as_deref().map(|path| files::check(path, None)).transpose()?;
     let scenario = Scenario::open_with(&plan.scenario, options.references)?;
@@ -105,7 +107,8 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     let (runs, live): (Vec<_>, Vec<_>) = all.into_iter().partition(|kind| kind.is_whole_run());
     let progress = Progress::new((runs.len() + live.len()) as u64, told);
     let store = bodies.store();
-    if !live.is_empty() {
+    report.is_interrupted = told_to_end.yet()?;
+    if !live.is_empty() && !report.is_interrupted {
         let stage = live_pool::Stage {
             plan: &plan,
             store,
@@ -119,6 +122,7 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
     let mut asked = None;
     let rank = run::Rank { program: &options.program, plan: &plan, references: options.references };
     for (number, kind) in runs.iter().enumerate() {
+        report.is_interrupted |= told_to_end.yet()?;
         if report.is_interrupted {
             break;
         }
@@ -144,6 +148,24 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         files::replace(path, report::junit(&injected).as_bytes())?;
     }
     Ok(injected)
+}
+
+/// The signals that end a program: a campaign ends after the fault that is being injected, so that
+/// what it made in shared memory is removed, and what is finished is reported.
+struct ToldToEnd(Poller);
+
+impl ToldToEnd {
+    /// Listens from now on, and before any thread is started, which would die of a signal.
+    fn listen() -> Result<Self, Failure> {
+        let mut signals = Poller::new()?;
+        signals.catch_signals()?;
+        Ok(Self(signals))
+    }
+
+    /// Whether one has come.
+    fn yet(&mut self) -> Result<bool, Failure> {
+        Ok(self.0.wait(Some(0))?.any(|wake| matches!(wake, Wake::Signal(_))))
+    }
 }
 
 /// What clients ask a service, and what the answer is.

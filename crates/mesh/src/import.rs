@@ -28,9 +28,9 @@ mod suggest;
 pub use collect::TRIANGLES_MAX;
 pub use error::{FilePosition, ImportError, MeshDefect};
 pub use format::Format;
-pub use frame::{Axis, Frame, LengthUnit, UnknownAxis, UnknownUnit};
+pub use frame::{Axis, Frame, LengthUnit, StatedFrame, UnknownAxis, UnknownUnit};
 pub use guess::{Guess, guess};
-pub use suggest::{Reading, readings};
+pub use suggest::{Reading, likely_kind, readings};
 
 use body::{BodyKind, Mesh, Shells, is_degenerate};
 use collect::Collector;
@@ -101,6 +101,8 @@ pub struct ImportReport {
     pub format: Format,
     /// Unit and axes that were used.
     pub frame: Frame,
+    /// What the file states of them, used or not.
+    pub stated: Option<StatedFrame>,
     /// Triangles in the file, polygons triangulated.
     pub triangles_in_file: usize,
     /// Triangles in selected parts.
@@ -156,6 +158,9 @@ pub fn read(
         let (count, max) = (bytes.len() as u64, BYTES_MAX as u64);
         return Err(whole(MeshDefect::TooMany { what: "bytes", count, max }));
     }
+    if format.has_cr_line_ends(bytes) {
+        return Err(whole(MeshDefect::LineEnds));
+    }
     let mut all = Collector::new(file, frame);
     all.hasher.update(bytes);
     match format {
@@ -204,6 +209,7 @@ pub fn read(
         name: options.name.clone().unwrap_or_else(|| stem(file)),
         format,
         frame,
+        stated,
         triangles_in_file,
         triangles_selected,
         triangles: mesh.corners.len(),

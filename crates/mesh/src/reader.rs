@@ -143,6 +143,9 @@ pub struct Report {
     pub format: String,
     /// The unit used (m).
     pub unit_m: f64,
+    /// The unit (m) and the up axis that the file states, used or not.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stated: Option<(f64, String)>,
     /// The axis of the file used as up.
     pub up: String,
     /// The axis of the file used as forward.

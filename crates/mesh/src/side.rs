@@ -22,6 +22,7 @@ use body::meta::{LENGTH_MAX_M, MASS_MAX_KG, Occupant};
 use body::{BodyKind, Meta, OwnParameters};
 use diagnostic::Diagnostic;
 use geometry::Aabb;
+use keys::Twice;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -95,9 +96,11 @@ impl SideFile {
     ///
     /// It is not valid TOML, has an unknown key, or a value is not finite or out of range.
     pub fn parse(file: &str, text: &str) -> Result<Self, SideError> {
-        let keys: Keys = toml::from_str(text).map_err(|fault| {
-            error(file, text, fault.span(), fault.message().trim().to_owned(), KEYS)
-        })?;
+        let keys: Keys =
+            toml::from_str(text).map_err(|fault| match Twice::in_toml(text, &fault) {
+                Some(twice) => error(file, text, fault.span(), twice.what(), Twice::REMEDY),
+                None => error(file, text, fault.span(), fault.message().trim().to_owned(), KEYS),
+            })?;
         let side = Self { file: file.to_owned(), text: text.to_owned(), keys };
         side.check()?;
         Ok(side)

@@ -18,9 +18,9 @@ Formulas: arms n along the normal and t to its left, from the centre of mass to 
   |J| at most (1+e) |v| / Σ1/m; ΔV = √(J_n² + J_t²) / m;
   P(x) = 1/(1 + exp(-z)), z = a + b x + tall front, H = (P(x) - P(0)) / (1 - P(0)), risk R = p H.";
 
-/// The whole explanation; no line is longer than [`COLUMNS`](crate::text::COLUMNS).
+/// The whole explanation, in lines of `columns` characters at most: see [`wrap`].
 #[must_use]
-pub fn text(explanation: &Explanation) -> String {
+pub fn text(explanation: &Explanation, columns: usize) -> String {
     let mut lines = Vec::new();
     beginning(
         &mut lines,
@@ -79,13 +79,8 @@ pub fn text(explanation: &Explanation) -> String {
     sources(&mut lines, &explanation.curves);
     lines.push(String::new());
     stability(&mut lines, explanation);
-    wrapped(&lines)
-}
-
-fn wrapped(lines: &[String]) -> String {
-    let wrapped: Vec<String> =
-        lines.iter().map(|line| if line == FORMULAS { line.clone() } else { wrap(line) }).collect();
-    wrapped.join("\n")
+    let lines = lines.iter().flat_map(|line| line.split('\n')).map(|line| wrap(line, columns));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// What is compared, and with what it was computed.

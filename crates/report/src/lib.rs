@@ -34,6 +34,7 @@ pub mod plan;
 pub mod policy_map;
 mod shot;
 pub mod still;
+pub mod table;
 pub mod text;
 pub mod work;
 mod write;

@@ -7,6 +7,7 @@ use crate::pictures::{bodies, shots};
 use crate::plan::{self, PlanPage};
 use crate::shot::{Shot, ShotBody};
 use crate::still::Camera;
+use crate::text::COLUMNS;
 use crate::work::WorkDone;
 use crate::{Figure, MeasurementPage, explain, glb, html, still};
 use std::path::{Path, PathBuf};
@@ -108,7 +109,8 @@ fn of_record(
     }
     let mut written = Vec::new();
     if let Some(page) = &wanted.page {
-        let explanation = made.explanation.as_ref().map(explain::text);
+        let explanation = made.explanation.as_ref();
+        let explanation = explanation.map(|of| explain::text(of, COLUMNS));
         let text = plan::page(&PlanPage {
             scenario: &made.scenario.parsed().name,
             answer: &made.answer,

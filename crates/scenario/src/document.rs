@@ -4,7 +4,7 @@
 //! numbers that leads to it; so the values themselves stay plain. It does not know what any key
 //! means.
 
-use crate::names::quoted;
+use keys::Twice;
 use serde::de::DeserializeOwned;
 use std::fmt;
 use std::ops::Range;
@@ -93,9 +93,6 @@ pub(crate) struct Objection {
     pub(crate) message: String,
 }
 
-/// What the TOML reader says of a key or table that stands twice.
-const DUPLICATE: &str = "duplicate key";
-
 /// A parsed text. Keys and values know their places.
 pub(crate) struct Document<'t> {
     lines: Lines<'t>,
@@ -111,12 +108,9 @@ impl<'t> Document<'t> {
             Err(error) => {
                 let span = error.span().unwrap_or_default();
                 let place = lines.place(span.start);
-                let message = error.message();
-                // The reader points at the key, and does not say which it is.
-                let message = match text.get(span).filter(|_| message == DUPLICATE) {
-                    Some(key) => format!("{} stands here a second time", quoted(key.trim())),
-                    None => message.to_owned(),
-                };
+                let twice = Twice::in_toml(text, &error);
+                let message =
+                    twice.map_or_else(|| error.message().to_owned(), |twice| twice.what());
                 Err(Objection { place, path: None, message })
             }
         }

@@ -37,8 +37,8 @@ const TRAITS: &[&str] = &[
 pub(crate) fn explain(objection: &Objection) -> (String, String) {
     let message = one_line(&objection.message);
     let Some(path) = &objection.path else {
-        let help = if message.ends_with("a second time") {
-            "leave one of them out: each key and each table stands once"
+        let help = if message.contains(" stands here a second time") {
+            keys::Twice::REMEDY
         } else {
             "a scenario is TOML: key = value lines under [table] headers, text in quotes"
         };

@@ -9,6 +9,7 @@ pub use group::ClientGroup;
 
 use body::Shape;
 use diagnostic::{Diagnostic, FailureKind};
+use keys::Twice;
 use scenario::{EngineSettings, Members, Overrides};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -270,6 +271,15 @@ impl Deployment {
         }
         let raw: Raw = toml::from_str(text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
+            if let Some(twice) = Twice::in_toml(text, &error) {
+                return broken(place_of(text, at), twice.what(), Twice::REMEDY);
+            }
+            // Keys of another file are no slips of this one.
+            if let Some((at, other)) = other_schema(text) {
+                let fault = format!("schema {other:?} is not that of a deployment");
+                let help = format!("is it the right file? a deployment has schema = {SCHEMA:?}");
+                return broken(place_of(text, at), fault, &help);
+            }
             let fault = error.message().replace('\n', " ");
             broken(place_of(text, at), fault, "config/deployments/quad-core.toml has every key")
         })?;
@@ -300,6 +310,13 @@ impl Deployment {
     pub fn model(&self, id: u32) -> Option<usize> {
         self.models.iter().position(|model| model.id == id)
     }
+}
+
+/// The schema of another kind of file, and where it is written.
+fn other_schema(text: &str) -> Option<(usize, String)> {
+    let table: toml::Table = toml::from_str(text).ok()?;
+    let schema = table.get("schema")?.as_str().filter(|schema| *schema != SCHEMA)?;
+    Some((place_of_key(text, "schema"), schema.to_owned()))
 }
 
 /// Line and column of a byte, from 1.

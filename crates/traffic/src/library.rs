@@ -1,6 +1,7 @@
 //! Which body represents which type: a data file.
 
 use body::Shape;
+use keys::Twice;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -48,7 +49,10 @@ impl Library {
         let read: File = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             let line = text.get(..start).unwrap_or(text).matches('\n').count() + 1;
-            format!("{file}:{line}: {}", error.message())
+            match Twice::in_toml(text, &error) {
+                Some(twice) => format!("{file}:{line}: {}; {}", twice.what(), Twice::REMEDY),
+                None => format!("{file}:{line}: {}", error.message()),
+            }
         })?;
         if read.schema != SCHEMA {
             let known = format!("this version reads schema = {SCHEMA:?}");

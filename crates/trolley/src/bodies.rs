@@ -350,6 +350,12 @@ pub fn generate(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<body::Body, Failure> {
+    let (mesh, meta) = generated(shape, triangles, seed)?;
+    with_tree(mesh, meta, options, progress)
+}
+
+/// A generated body without its tree.
+pub(crate) fn generated(shape: Shape, triangles: u32, seed: u64) -> Result<(Mesh, Meta), Failure> {
     let mesh = shapes::generate(shape, triangles, seed)?;
     let origin = shapes::call(shape, triangles, seed);
     let hash = blake3::hash(origin.as_bytes()).to_hex();
@@ -360,7 +366,7 @@ pub fn generate(
         hash: hash.as_str(),
     };
     let meta = defaults::assemble(origin, &mesh);
-    with_tree(mesh, meta, options, progress)
+    Ok((mesh, meta))
 }
 
 /// Makes a body of a mesh: adds zones, and builds its tree. `progress` as in [`generate`].

@@ -1,13 +1,14 @@
 //! A deployment file, and the files it names.
 
 use crate::files::{self, InputKind};
+use crate::model::open;
 use crate::references::{References, beside};
 use crate::scenario::check_models;
 use crate::texts::{self, Part};
-use crate::{Failure, Scenario};
+use crate::{Failure, Scenario, bodies};
 use damage::Criteria;
 use protocol::public::Ask;
-use scenario::Source;
+use scenario::{Implausible, LoadedBody, Source};
 use service::{Deployment, Model};
 use std::path::{Path, PathBuf};
 
@@ -161,8 +162,56 @@ impl OpenDeployment {
     pub fn ask(&self, scenario: &Scenario, unknown_is_fixed: bool) -> Result<Box<Ask>, Failure> {
         let (file, parsed) = (Path::new(scenario.file()), scenario.parsed());
         check_models(&scenario.bodies(), file, self.references)?;
+        let models = self.models_of(scenario)?;
+        let models: Vec<u32> = models.iter().map(|model| model.id).collect();
+        service::of_scenario(parsed, &models, unknown_is_fixed).map_err(Failure::input)
+    }
+
+    /// Returns what a scenario states that is allowed and hardly true, of the bodies that it has in
+    /// this deployment: what [`Answer::implausible`](crate::Answer::implausible) has, but for what
+    /// depends on the answer. A service does not say it.
+    ///
+    /// ```
+    /// # let file = "../../config/deployments/minimal.toml";
+    /// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+    /// let scenario = trolley::Scenario::open("../../config/scenarios/wall-or-pole.toml")?;
+    /// assert!(opened.implausible(&scenario)?.is_empty());
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the deployment lacks the model of a party, or the file of one cannot be read.
+    pub fn implausible(&self, scenario: &Scenario) -> Result<Vec<Implausible>, Failure> {
+        let models = self.models_of(scenario)?;
+        let bodies = models.iter().map(|model| self.loaded(model));
+        let bodies = bodies.collect::<Result<Vec<LoadedBody>, Failure>>()?;
+        Ok(scenario::implausible(scenario.parsed(), &bodies))
+    }
+
+    /// A model as it can be doubted.
+    fn loaded(&self, model: &Model) -> Result<LoadedBody, Failure> {
+        match &model.source {
+            service::ModelSource::File(path) => {
+                let path = self.checked(&format!("model \"{}\"", model.name), path)?;
+                let copy = open::copy(&path)?;
+                let (meta, view) = open::view(&path, copy.bytes())?;
+                let (kind, mass_kg) = (meta.kind, meta.mass_kg);
+                Ok(LoadedBody { kind, mass_kg, bounds: view.bounds() })
+            }
+            service::ModelSource::Generate { shape, triangles, seed } => {
+                let (mesh, meta) = bodies::generated(*shape, *triangles, *seed)?;
+                let (kind, mass_kg) = (meta.kind, meta.mass_kg);
+                Ok(LoadedBody { kind, mass_kg, bounds: mesh.bounds() })
+            }
+        }
+    }
+
+    /// The model of each party of a scenario.
+    fn models_of(&self, scenario: &Scenario) -> Result<Vec<&Model>, Failure> {
+        let file = Path::new(scenario.file());
         let mut models = Vec::new();
-        for party in &parsed.parties {
+        for party in &scenario.parsed().parties {
             let is_same = |model: &&Model| self.is_body_of(file, &party.source, model);
             let Some(model) = self.deployment.models.iter().find(is_same) else {
                 let (place, name) = (party.place, &party.name);
@@ -171,9 +220,9 @@ impl OpenDeployment {
                 let place = format!("{}:{place}", file.display());
                 return Err(Failure::input(what).at(place).with_remedy(help));
             };
-            models.push(model.id);
+            models.push(model);
         }
-        service::of_scenario(parsed, &models, unknown_is_fixed).map_err(Failure::input)
+        Ok(models)
     }
 
     /// Whether a model is the body of a scenario's party: the same file, or generated alike.

@@ -19,10 +19,12 @@
 
 use crate::bodies::PartyBody;
 use crate::files::{self, InputKind};
+use crate::model::open;
 use crate::references::{References, beside};
 use crate::texts::{self, Part, SourceText, Texts, read_text};
 use crate::{Failure, FailureKind};
 use damage::{Criteria, Curves, Policy};
+use mesh::import::Format;
 use scenario::{FileRef, ScenarioDraft, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -103,7 +105,8 @@ impl Scenario {
     /// As [`Scenario::open`].
     pub fn open_with(path: impl AsRef<Path>, references: References) -> Result<Self, Failure> {
         let path = path.as_ref();
-        Self::parse_with(&path.display().to_string(), &read_text(path)?, references)
+        let text = read_text(path).map_err(|failure| is_body(path).unwrap_or(failure))?;
+        Self::parse_with(&path.display().to_string(), &text, references)
     }
 
     /// Reads a scenario from a text. Paths in it are relative to the folder of `name`, and must not
@@ -444,4 +447,18 @@ fn finish(
                 .with_remedy("it was changed and hashed again: use another copy")
         })
     })
+}
+/// The refusal of a body where a scenario is expected, which names one.
+fn is_body(path: &Path) -> Option<Failure> {
+    let is_mesh = |format: Format| {
+        let end = path.extension().map(|end| end.to_ascii_lowercase());
+        path.is_file() && end.is_some_and(|end| end == format.extension())
+    };
+    let what = match Format::ALL.into_iter().find(|format| is_mesh(*format)) {
+        _ if open::is_model(path) => "a model file",
+        Some(_) => "a mesh",
+        None => return None,
+    };
+    let failure = Failure::input(format!("it is {what}, and no scenario")).at(path.display());
+    Some(failure.with_remedy("a scenario says who moves where: trolley help tutorial"))
 }

@@ -45,6 +45,41 @@ fn a_bad_step_shows_what_was_said_and_passes_its_exit_code_on() -> Result<()> {
     Ok(())
 }
 
+/// A cargo that finds the target directory locked says so on a line of its own.
+#[test]
+fn a_step_that_waits_for_another_cargo_says_so() -> Result<()> {
+    let package = tempfile::tempdir()?;
+    std::fs::create_dir(package.path().join("src"))?;
+    std::fs::write(package.path().join("src/lib.rs"), "")?;
+    let manifest = "[package]\nname = \"empty\"\nversion = \"0.1.0\"\n[workspace]\n";
+    std::fs::write(package.path().join("Cargo.toml"), manifest)?;
+    let target = package.path().join("target");
+    let in_package = |command: &mut Command| {
+        command.current_dir(package.path()).env("CARGO_TARGET_DIR", &target);
+    };
+    let step = Step { name: "check", args: &["check", "--offline"], env: &[] };
+    let mut out = Vec::new();
+    assert!(step.run_with(in_package, &mut out)?.failure().is_none());
+    assert!(!String::from_utf8(out)?.contains("waits"), "nobody holds the lock");
+
+    // As another cargo holds it.
+    let lock = std::fs::File::open(target.join("debug/.cargo-lock"))?;
+    lock.lock()?;
+    let (reader, mut writer) = io::pipe()?;
+    let held = std::thread::scope(|scope| {
+        let stepped = scope.spawn(move || step.run_with(in_package, &mut writer).map(drop));
+        let mut said = String::new();
+        let mut lines = BufReader::new(reader);
+        while !said.contains("waits for another cargo") && lines.read_line(&mut said)? > 0 {}
+        lock.unlock()?;
+        lines.read_line(&mut said)?;
+        stepped.join().expect("no panic").map(|()| said)
+    })?;
+    assert!(held.contains("waits for another cargo, which holds the lock of the "), "{held}");
+    assert!(held.lines().last().is_some_and(|line| line.starts_with("check   ok ")), "{held}");
+    Ok(())
+}
+
 #[test]
 fn a_step_sees_its_own_environment_beside_ours() -> Result<()> {
     // A wrong setting of cargo makes it fail, so it must have arrived.

@@ -12,5 +12,5 @@ pub(crate) fn show(
     text: impl FnOnce() -> String,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    print::out(&if output.json { print::json(report)? } else { text() })
+    if output.json { print::out(&print::json(report)?) } else { print::lines(&text()) }
 }

@@ -193,12 +193,17 @@ pub(super) fn mesh(info: &MeshInfo) -> String {
     }
     for (at, reading) in info.readings.iter().enumerate() {
         let [length, width, height] = reading.size_m;
-        let Reading { unit, up, forward, looks_like, .. } = reading;
+        let Reading { unit, up, forward, looks_like, kind, .. } = reading;
+        let mass = match reading.mass_kg {
+            Some(mass) => format!("{} kg unless you state it", rounded(mass)),
+            None => "fixed to the ground".to_owned(),
+        };
         let start = if at == 0 { "It looks like" } else { "  or like" };
         let _w = writeln!(
             text,
             "{start} {looks_like} in {unit}, up +{up}, forward {} ({length:.2} × {width:.2} × \
-             {height:.2} m): --unit {unit} --up {up} --forward {forward}",
+             {height:.2} m; as a {kind} {mass}): --unit {unit} --up {up} --forward {forward} \
+             --kind {kind}",
             if forward.starts_with('-') { forward.clone() } else { format!("+{forward}") }
         );
     }

@@ -3,7 +3,6 @@
 use crate::output::Output;
 use crate::print;
 use crate::record::stated::Stated;
-use report::text::wrap;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,7 +26,7 @@ pub(super) fn run(path: &Path, output: &Output) -> Result<ExitCode, Failure> {
         document["explanation"] = explanation;
         return print::out(&print::json(&document)?);
     }
-    print::out(&words(path, &record, &link, statement, &answer))
+    print::text(&words(path, &record, &link, statement, &answer))
 }
 
 fn parsed(text: &str) -> Result<Value, Failure> {
@@ -111,6 +110,5 @@ fn words(
         lines.push(format!("  {} {name}: {} in {}", at + 1, row["work"], row["range"]));
         lines.extend(row["why"].as_str().map(|why| format!("    {why}")));
     }
-    let wrapped: Vec<String> = lines.iter().map(|line| wrap(line)).collect();
-    wrapped.join("\n")
+    lines.join("\n")
 }

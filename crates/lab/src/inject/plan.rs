@@ -2,6 +2,7 @@
 
 use super::kind::Kind;
 use geometry::rng::Rng;
+use keys::Twice;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -52,11 +53,11 @@ impl Plan {
         let written: Written = toml::from_str(text).map_err(|error| {
             let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             let line = before.matches('\n').count() + 1;
-            let key = error.span().and_then(|span| text.get(span)).unwrap_or_default().trim();
-            let fault = match error.message() {
-                "duplicate key" => format!("\"{key}\" stands here a second time"),
-                other => other.replace('\n', ", "),
-            };
+            if let Some(twice) = Twice::in_toml(text, &error) {
+                let fault = format!("{name}:{line}: {}", twice.what());
+                return Failure::input(fault).with_remedy(Twice::REMEDY);
+            }
+            let fault = error.message().replace('\n', ", ");
             Failure::input(format!("{name}:{line}: {fault}"))
                 .with_remedy("config/faults/campaign.toml has every key")
         })?;

@@ -64,7 +64,9 @@ impl Serving {
     /// Prepares a folder; `None` if some bodies are not generated.
     pub(super) fn prepare(rank: &Rank<'_>, scenario: &Scenario) -> Result<Option<Self>, Failure> {
         // The names of sockets in it must be short.
-        let place = tempfile::Builder::new().prefix("i").tempdir_in("/dev/shm").map_err(system)?;
+        let prefix = format!("i{:x}.", std::process::id());
+        let place = tempfile::Builder::new().prefix(&prefix).rand_bytes(3).tempdir_in("/dev/shm");
+        let place = place.map_err(system)?;
         let mut text = format!(
             "schema = \"trolley.deployment/1\"\ninstance = \"{INSTANCE}\"\nfolder = {:?}\n\
              [engine]\nworkers = {}\n[realtime]\npriority = 0\nworker_priority = 0\n\

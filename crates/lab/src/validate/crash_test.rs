@@ -8,6 +8,7 @@ use coordinator::{
 };
 use damage::parameters::Setting;
 use damage::{Criteria, Parameters};
+use keys::Twice;
 use scenario::{Members, Scenario};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -96,6 +97,11 @@ pub(super) fn read(name: &str, text: &str) -> Result<Vec<CrashTest>, Failure> {
     }
     const FORM: &str = "a list of tests, each with id, group, size_m [length, width], mass_kg, \
                         speed_m_s, dv_m_s, and either object and overlap or angle_deg";
+    if let Some(twice) = Twice::in_json(text) {
+        let line = text[..twice.second.start].matches('\n').count() + 1;
+        let fault = Failure::input(twice.what()).at(format!("{name}:{line}"));
+        return Err(fault.with_remedy(Twice::REMEDY));
+    }
     // The list first: its errors name a line, those of a choice do not.
     let tests = match serde_json::from_str::<Vec<CrashTest>>(text) {
         Ok(tests) => tests,

@@ -8,6 +8,7 @@ use damage::Level;
 use damage::injury::DEFAULT_CURVES;
 use damage::plane::Ride;
 use damage::policy::DEFAULT_POLICY;
+use keys::Twice;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -118,8 +119,13 @@ pub(super) fn read(name: &str, text: &str) -> Result<Vec<Ordering>, Failure> {
     let refused = |at: usize, what: &str| {
         Failure::input(what).at(format!("{name}:{}", line(at))).with_remedy(KEYS)
     };
-    let file: File = toml::from_str(text)
-        .map_err(|error| refused(error.span().map_or(0, |span| span.start), error.message()))?;
+    let file: File = toml::from_str(text).map_err(|error| {
+        let at = error.span().map_or(0, |span| span.start);
+        match Twice::in_toml(text, &error) {
+            Some(twice) => refused(at, &twice.what()).with_remedy(Twice::REMEDY),
+            None => refused(at, error.message()),
+        }
+    })?;
     if file.schema != "trolley.orderings/1" {
         return Err(refused(0, "unknown schema: write schema = \"trolley.orderings/1\""));
     }

@@ -9,7 +9,7 @@
 //! scales translations.
 
 use super::collect::Collector;
-use super::{Axis, FilePosition, ImportError, LengthUnit, MeshDefect};
+use super::{Axis, FilePosition, ImportError, LengthUnit, MeshDefect, StatedFrame};
 use roxmltree::{Document, Node};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -30,13 +30,6 @@ const VISITS_MAX: usize = 1_000_000;
 /// A parsed file.
 pub(super) struct Collada<'t> {
     document: Document<'t>,
-}
-
-/// The unit and axes stated in a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Asset {
-    pub(super) unit: LengthUnit,
-    pub(super) up: Axis,
 }
 
 /// Parses the text.
@@ -65,7 +58,7 @@ pub(super) fn parse<'t>(file: &str, bytes: &'t [u8]) -> Result<Collada<'t>, Impo
 
 impl Collada<'_> {
     /// Unit and up axis; by default a metre and y up, as in the specification.
-    pub(super) fn asset(&self, file: &str) -> Result<Asset, ImportError> {
+    pub(super) fn asset(&self, file: &str) -> Result<StatedFrame, ImportError> {
         let root = self.document.root_element();
         let asset = child(root, "asset");
         let unit = match asset.and_then(|asset| child(asset, "unit")) {
@@ -90,7 +83,7 @@ impl Collada<'_> {
             },
             None => Axis::Y,
         };
-        Ok(Asset { unit, up })
+        Ok(StatedFrame { unit, up })
     }
 }
 

@@ -59,6 +59,16 @@ impl<'a> Collector<'a> {
         }
     }
 
+    /// The name of the file without its folder.
+    pub(super) fn file_name(&self) -> &str {
+        super::base(self.file)
+    }
+
+    /// Unit of the file's coordinates.
+    pub(super) fn unit(&self) -> super::LengthUnit {
+        self.frame.unit
+    }
+
     /// Creates an error in this file.
     pub(super) fn fail(&self, place: FilePosition, fault: MeshDefect) -> ImportError {
         ImportError::new(self.file, place, fault)

@@ -126,6 +126,26 @@ pub enum MeshDefect {
     /// The options contradict each other.
     #[error("{0}")]
     Options(String),
+    /// Its lines end with CR alone.
+    #[error("its lines end with CR alone, as on a classic Mac")]
+    LineEnds,
+    /// The file is of a former version of its format.
+    #[error("{0} is not supported")]
+    Former(&'static str),
+    /// The triangles are compressed by an extension of the format.
+    #[error("its triangles are compressed with {0}, which is not supported")]
+    Compressed(String),
+    /// A deck that another one includes is not available.
+    #[error("*INCLUDE of \"{name}\": {reason}")]
+    Include {
+        /// Name as written.
+        name: String,
+        /// The reason.
+        reason: String,
+    },
+    /// A deck includes itself, directly or through others.
+    #[error("the deck includes itself: {0}")]
+    IncludesItself(String),
     /// The size is implausible for the kind of body.
     #[error(
         "{size} is not a plausible {kind}: its greatest length should be {least} to {greatest} m"
@@ -159,6 +179,31 @@ impl Diagnostic for ImportError {
 
     fn remedy(&self) -> Option<Cow<'_, str>> {
         let remedy = match &self.fault {
+            MeshDefect::Unsupported { what } | MeshDefect::Misnamed { looks: what, .. }
+                if what.contains("gzip") =>
+            {
+                return Some(format!("unpack it first: gunzip -k {}", self.file).into());
+            }
+            MeshDefect::Unsupported { what } | MeshDefect::Misnamed { looks: what, .. }
+                if what.contains("ZIP") =>
+            {
+                return Some(format!("unpack it first: unzip {}", self.file).into());
+            }
+            MeshDefect::LineEnds => {
+                let file = &self.file;
+                return Some(format!("convert them: tr '\\r' '\\n' < {file} > NEW").into());
+            }
+            MeshDefect::Former(_) => {
+                "export it as glTF 2.0 (Blender: File, Export, glTF 2.0), or as OBJ"
+            }
+            MeshDefect::Compressed(_) => {
+                "export it without compression (Blender: File, Export, glTF 2.0, Compression off)"
+            }
+            MeshDefect::Include { .. } => {
+                "put the included deck into the folder of the mesh or below it, and write its name \
+                 as seen from there: *INCLUDE_PATH is not followed"
+            }
+            MeshDefect::IncludesItself(_) => "remove the *INCLUDE that closes the circle",
             MeshDefect::Unsupported { .. } => {
                 "convert it to OBJ, STL, PLY, glTF, GLB or COLLADA (Blender: File, Export)"
             }

@@ -96,6 +96,25 @@ impl Format {
     }
 }
 
+impl Format {
+    /// Whether a text of this format ends its lines with CR alone, as programs for the classic Mac
+    /// wrote them: readers take it for a single line.
+    pub(super) fn has_cr_line_ends(self, bytes: &[u8]) -> bool {
+        let start = &bytes[..bytes.len().min(LOOK_MAX)];
+        match self {
+            // A binary one has a text for a head.
+            Self::Ply => start.starts_with(b"ply\r") && start.get(4) != Some(&b'\n'),
+            Self::Stl if is_binary_stl(bytes) => false,
+            Self::Obj | Self::Stl | Self::LsDyna => {
+                let has = |byte: u8| start.contains(&byte);
+                has(b'\r') && !has(b'\n') && !has(0)
+            }
+            // Line ends mean nothing to JSON and XML.
+            Self::Gltf | Self::Glb | Self::Collada => false,
+        }
+    }
+}
+
 /// Number of bytes of a text that are examined.
 const LOOK_MAX: usize = 64 << 10;
 

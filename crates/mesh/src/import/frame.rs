@@ -79,6 +79,11 @@ impl Axis {
     /// +z.
     pub const Z: Self = Self { index: 2, negative: false };
 
+    /// 0, 1, 2 for x, y, z, whichever way it points.
+    pub(super) fn index(self) -> usize {
+        self.index
+    }
+
     fn vector(self) -> [f64; 3] {
         let mut vector = [0.0; 3];
         vector[self.index] = if self.negative { -1.0 } else { 1.0 };
@@ -126,6 +131,15 @@ impl FromStr for Axis {
         let index = ["x", "y", "z"].iter().position(|axis| *axis == name);
         index.map(|index| Self { index, negative }).ok_or_else(|| UnknownAxis(text.to_owned()))
     }
+}
+
+/// The unit and the up axis that a file states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedFrame {
+    /// Unit of its coordinates.
+    pub unit: LengthUnit,
+    /// Up in the file.
+    pub up: Axis,
 }
 
 /// The transform from a file's coordinates to the body frame: a signed permutation and a factor.

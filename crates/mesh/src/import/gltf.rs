@@ -32,6 +32,7 @@ pub(super) fn read(
 ) -> Result<(), ImportError> {
     let (root, blob) = buffers::parse(bytes, into)?;
     check_extensions(&root, into)?;
+    note_what_is_left_out(&root, into);
     let buffers = buffers::load(&root, blob, resolve, into)?;
     let source = Source { root: &root, buffers: &buffers };
     let (mut stack, mut visited) = (start(&root, into)?, vec![false; root.nodes.len()]);
@@ -114,9 +115,43 @@ fn check_extensions(root: &json::Root, into: &Collector<'_>) -> Result<(), Impor
         .iter()
         .find(|name| !HARMLESS.iter().any(|start| name.starts_with(start)));
     match bad {
+        Some(name) if compression(name).is_some() => {
+            Err(into.fail(FilePosition::Whole, MeshDefect::Compressed(compressed(name))))
+        }
         Some(name) => Err(into
             .fail(FilePosition::Whole, MeshDefect::Feature(format!("required extension {name}")))),
         None => Ok(()),
+    }
+}
+
+/// What compresses triangles, if an extension does.
+fn compression(extension: &str) -> Option<&'static str> {
+    match extension {
+        "KHR_draco_mesh_compression" => Some("Draco"),
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => Some("meshopt"),
+        _ => None,
+    }
+}
+
+/// "Draco (KHR_draco_mesh_compression)".
+fn compressed(extension: &str) -> String {
+    format!("{} ({extension})", compression(extension).unwrap_or("an extension"))
+}
+
+/// Names what is met and not applied: a skin, or a compressed copy beside the triangles.
+fn note_what_is_left_out(root: &json::Root, into: &mut Collector<'_>) {
+    let is_skinned = |node: &&json::Node| node.skin.is_some();
+    let skinned = root.nodes.iter().filter(is_skinned).count();
+    if skinned > 0 {
+        let nodes = if skinned == 1 { "1 node has a skin" } else { "nodes have skins" };
+        let count = if skinned == 1 { String::new() } else { format!("{skinned} ") };
+        into.notes.push(format!(
+            "{count}{nodes}, which is not applied: the mesh is as it is stored, in its bind pose"
+        ));
+    }
+    for name in root.extensions_used.iter().filter(|name| compression(name).is_some()) {
+        let with = compressed(name);
+        into.notes.push(format!("compressed with {with}, too: its plain triangles are read"));
     }
 }
 

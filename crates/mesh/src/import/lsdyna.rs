@@ -3,10 +3,14 @@
 //! Supported are nodes, shells in fixed columns or with commas, with the lines that their options
 //! add, outer faces of solids and thick shells, names of parts, and included files. Elements
 //! without a surface (beams, springs, masses) are counted and named; unknown elements that would
-//! have one are rejected with their line. A deck states no unit: the user must.
+//! have one are rejected with their line. A deck states no unit: the user must. What it weighs is
+//! added up (`mass.rs`) and offered.
+
+mod mass;
 
 use super::collect::Collector;
 use super::{FilePosition, ImportError, MeshDefect, Resolver};
+use mass::{Masses, Piece};
 use std::collections::BTreeMap;
 
 /// Maximum depth of included decks.
@@ -42,6 +46,8 @@ struct Face {
     part: u64,
     nodes: Vec<u64>,
     place: Spot,
+    /// Of a shell that states its own.
+    thickness: Option<f64>,
 }
 
 /// A line of one of the decks.
@@ -60,9 +66,20 @@ struct Deck {
     shells: Vec<Face>,
     /// Faces of solids by their sorted corners, and the number of solids that have them.
     outer: BTreeMap<Vec<u64>, (Face, usize)>,
+    /// Part and corners of each solid, for its volume.
+    solids: Vec<(u64, [u64; 8])>,
     parts: BTreeMap<u64, String>,
     skipped: BTreeMap<String, usize>,
-    includes: Vec<(String, usize)>,
+    includes: Vec<Include>,
+    masses: Masses,
+}
+
+/// A deck that is to be read.
+#[derive(Clone)]
+struct Include {
+    name: String,
+    /// The deck that includes it, and the line.
+    place: Spot,
 }
 
 /// A keyword, its options, and its data lines.
@@ -79,32 +96,36 @@ pub(super) fn read(
     into: &mut Collector<'_>,
 ) -> Result<(), ImportError> {
     let mut deck = Deck::default();
-    let mut waiting: Vec<(String, Vec<u8>, usize)> = Vec::new();
+    let mut waiting: Vec<(Include, Vec<u8>)> = Vec::new();
     deck.add("", bytes, into)?;
     let mut total = bytes.len();
-    let mut depth_of: Vec<usize> = vec![0];
+    // The decks that led to each, itself last; the first has the file's own name.
+    let mut ways: Vec<Vec<String>> = vec![vec![into.file_name().to_owned()]];
     let mut seen = 0;
     loop {
         while seen < deck.includes.len() {
-            let (name, from) = deck.includes[seen].clone();
+            let include = deck.includes[seen].clone();
+            let Include { name, place } = &include;
             seen += 1;
-            let depth = depth_of[from] + 1;
-            if depth > INCLUDES_MAX {
-                let (count, max) = (depth as u64, INCLUDES_MAX as u64);
-                return Err(into.fail(
-                    FilePosition::Whole,
-                    MeshDefect::TooMany { what: "decks that include decks", count, max },
-                ));
+            let way = &ways[place.deck];
+            if let Some(first) = way.iter().position(|before| plain(before) == plain(name)) {
+                let circle = [&way[first..], std::slice::from_ref(name)].concat().join(" → ");
+                return Err(deck.fail(*place, MeshDefect::IncludesItself(circle), into));
+            }
+            if way.len() > INCLUDES_MAX {
+                let (count, max) = (way.len() as u64, INCLUDES_MAX as u64);
+                let what = "decks that include decks";
+                return Err(deck.fail(*place, MeshDefect::TooMany { what, count, max }, into));
             }
             let leads_out =
                 name.starts_with(['/', '\\']) || name.contains("..") || name.contains(':');
             let content = if leads_out {
                 Err("its name leads out of the deck's folder".to_owned())
             } else {
-                resolve(&name)
+                resolve(name)
             };
             let content = content.map_err(|reason| {
-                into.fail(FilePosition::Whole, MeshDefect::SideFile { name: name.clone(), reason })
+                deck.fail(*place, MeshDefect::Include { name: name.clone(), reason }, into)
             })?;
             total += content.len();
             if total > BYTES_MAX {
@@ -112,14 +133,19 @@ pub(super) fn read(
                 return Err(into
                     .fail(FilePosition::Whole, MeshDefect::TooMany { what: "bytes", count, max }));
             }
-            waiting.push((name, content, depth));
+            waiting.push((include, content));
         }
-        let Some((name, content, depth)) = waiting.pop() else { break };
+        let Some((Include { name, place }, content)) = waiting.pop() else { break };
         into.hasher.update(&content);
-        depth_of.push(depth);
+        ways.push([&ways[place.deck][..], std::slice::from_ref(&name)].concat());
         deck.add(&name, &content, into)?;
     }
     deck.emit(into)
+}
+
+/// The name of an included deck without what says nothing: "./b.k" is "b.k".
+fn plain(name: &str) -> &str {
+    name.trim_start_matches("./").trim_start_matches(".\\")
 }
 
 impl Deck {
@@ -129,6 +155,7 @@ impl Deck {
             ("", element) => {
                 FilePosition::Element(format!("line {}, element {element}", place.line))
             }
+            (name, 0) => FilePosition::Element(format!("{name}, line {}", place.line)),
             (name, element) => {
                 FilePosition::Element(format!("{name}, line {}, element {element}", place.line))
             }
@@ -161,9 +188,14 @@ impl Deck {
                 ("ELEMENT", options) => self.elements(options, &block, number, into)?,
                 ("PART", options) => self.part(options, &block, number, into)?,
                 ("INCLUDE", "") => {
-                    let names = block.cards.iter().map(|(_, card)| card.trim().to_owned());
-                    self.includes.extend(names.map(|name| (name, number)));
+                    let include = |(line, card): &(usize, &str)| Include {
+                        name: card.trim().to_owned(),
+                        place: spot(*line),
+                    };
+                    self.includes.extend(block.cards.iter().map(include));
                 }
+                ("MAT", options) if !options.starts_with("ADD") => self.material(&block),
+                ("SECTION", "SHELL" | "SHELL_TITLE") => self.section(&block),
                 ("INCLUDE", "PATH" | "PATH_RELATIVE") => {}
                 ("INCLUDE", _) => return refuse(self, format!("*{keyword}")),
                 ("END", _) => break,
@@ -224,7 +256,8 @@ impl Deck {
                 }
                 let count = |of: &[&str]| words.iter().filter(|word| of.contains(word)).count();
                 let extra = count(&shared).min(1) + count(&["OFFSET"]) + count(&["DOF"]);
-                self.shells(block, extra, deck, into)
+                let states_thickness = count(&["THICKNESS"]) > 0;
+                self.shells(block, (extra, states_thickness), deck, into)
             }
             "SOLID" | "TSHELL" => {
                 let extra = match words.as_slice() {
@@ -236,6 +269,12 @@ impl Deck {
                     }
                 };
                 self.solids(block, extra, deck, into)
+            }
+            "MASS" => {
+                self.lumped(block, &words);
+                *self.skipped.entry(format!("*ELEMENT_{options}")).or_default() +=
+                    block.cards.len();
+                Ok(())
             }
             kind if NO_SURFACE.contains(&kind) => {
                 *self.skipped.entry(format!("*ELEMENT_{options}")).or_default() +=
@@ -249,7 +288,7 @@ impl Deck {
     fn shells(
         &mut self,
         block: &Block<'_>,
-        extra: usize,
+        (extra, states_thickness): (usize, bool),
         deck: usize,
         into: &Collector<'_>,
     ) -> Result<(), ImportError> {
@@ -267,7 +306,10 @@ impl Deck {
                 let fault = format!("a shell with {} different corners", nodes.len());
                 return Err(self.fail(place, MeshDefect::Syntax(fault), into));
             }
-            self.shells.push(Face { part, nodes, place });
+            // Blank or zero: that of the section.
+            let thickness = cards.get(1).filter(|_| states_thickness);
+            let thickness = thickness.and_then(|(_, card)| mean(&fields(card, &[16; 4])));
+            self.shells.push(Face { part, nodes, place, thickness });
         }
         Ok(())
     }
@@ -304,6 +346,7 @@ impl Deck {
                     return Err(self.fail(place, MeshDefect::Feature(fault), into));
                 }
             };
+            self.solids.push((part, corners));
             let [_, _, _, d, rest @ ..] = corners;
             // If all corners but three coincide, a tetrahedron. Others keep a brick's faces.
             let faces = if rest == [d; 4] { &TETRAHEDRON[..] } else { &FACES[..] };
@@ -314,7 +357,7 @@ impl Deck {
                 }
                 let mut key = nodes.clone();
                 key.sort_unstable();
-                let face = Face { part, nodes, place };
+                let face = Face { part, nodes, place, thickness: None };
                 self.outer.entry(key).or_insert((face, 0)).1 += 1;
             }
         }
@@ -367,8 +410,82 @@ impl Deck {
                 return Err(self.fail(place, fault, into));
             };
             self.parts.insert(id, title.trim().to_owned());
+            let number = |at: usize| whole(fields.get(at)).unwrap_or(0);
+            self.masses.parts.insert(id, [number(1), number(2)]);
+        }
+        // The line after the first part has its centre, and then its mass.
+        let id = block.cards.get(1).and_then(|(_, card)| whole(fields(card, &[10; 8]).first()));
+        let stated = block.cards.get(2).filter(|_| options == "INERTIA");
+        let stated = stated.and_then(|(_, card)| real(fields(card, &[10; 8]).get(3)?));
+        if let Some((id, stated)) = id.zip(stated).filter(|(_, mass)| *mass > 0.0) {
+            self.masses.stated.insert(id, stated);
         }
         Ok(())
+    }
+
+    /// The density of a material: its first line has its number and that, whatever it is. What is
+    /// no number is not needed for the surface, and is left out.
+    fn material(&mut self, block: &Block<'_>) {
+        let first = usize::from(block.keyword.ends_with("_TITLE"));
+        let Some((_, card)) = block.cards.get(first) else { return };
+        let fields = fields(card, &[10; 8]);
+        let density = fields.get(1).and_then(|text| real(text)).filter(|value| *value > 0.0);
+        if let Some((id, density)) = whole(fields.first()).zip(density) {
+            self.masses.densities.insert(id, density);
+        }
+    }
+
+    /// Thicknesses of sections of shells, two lines each and more if layers have angles.
+    fn section(&mut self, block: &Block<'_>) {
+        let title = usize::from(block.keyword.ends_with("_TITLE"));
+        let mut rest = block.cards.as_slice();
+        while let Some([(_, head), (_, card), after @ ..]) = rest.get(title..) {
+            let head = fields(head, &[10; 8]);
+            let thickness = mean(&fields(card, &[10; 4]));
+            if let Some((id, thickness)) = whole(head.first()).zip(thickness) {
+                self.masses.thicknesses.insert(id, thickness);
+            }
+            // ICOMP = 1: an angle for each of NIP points, eight a line.
+            let number = |at: usize| head.get(at).and_then(|text| real(text)).unwrap_or(0.0);
+            let points = if number(6) == 1.0 { number(3).clamp(0.0, 1e3) as usize } else { 0 };
+            rest = after.get(points.div_ceil(8)..).unwrap_or_default();
+        }
+    }
+
+    /// Lumped masses: number, node or set of nodes, mass.
+    fn lumped(&mut self, block: &Block<'_>, words: &[&str]) {
+        // Those of parts are non-structural mass, spread as the card says.
+        if words.contains(&"PART") {
+            return;
+        }
+        for (_, card) in &block.cards {
+            let mass = fields(card, &[8, 8, 16, 8]).get(2).and_then(|text| real(text));
+            if let Some(mass) = mass.filter(|mass| *mass > 0.0) {
+                self.masses.lumped.0 += mass;
+                self.masses.lumped.1 += 1;
+            }
+        }
+    }
+
+    /// What the deck says of its mass, in words.
+    fn mass_notes(&self, into: &Collector<'_>) -> Vec<String> {
+        let point = |node: &u64| self.nodes.get(node).copied();
+        let shells = self.shells.iter().filter_map(|face| {
+            let corners: Option<Vec<[f64; 3]>> = face.nodes.iter().map(point).collect();
+            let area = mass::area(&corners?);
+            Some((face.part, Piece::Shell { area, thickness: face.thickness }))
+        });
+        let solids = self.solids.iter().filter_map(|(part, nodes)| {
+            let mut corners = [[0.0; 3]; 8];
+            for (corner, node) in corners.iter_mut().zip(nodes) {
+                *corner = point(node)?;
+            }
+            // A tetrahedron, whose last corners coincide, has bricks' faces of which some are flat.
+            let faces = FACES.map(|face| face.map(|at| corners[at]));
+            let volume = mass::volume(faces.iter().map(|face| &face[..]));
+            Some((*part, Piece::Solid { volume }))
+        });
+        self.masses.weigh(shells.chain(solids)).notes(into.unit())
     }
 
     /// Emits everything: shells in file order, then outer faces of solids.
@@ -376,6 +493,8 @@ impl Deck {
         for (what, lines) in &self.skipped {
             into.notes.push(format!("{lines} lines of {what} left out: they have no surface"));
         }
+        let weighed = self.mass_notes(into);
+        into.notes.extend(weighed);
         let inner = self.outer.values().filter(|(_, solids)| *solids > 1).count();
         if inner > 0 {
             into.notes.push(format!("{inner} faces between solids left out"));
@@ -437,7 +556,8 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
             blocks.push(Block { keyword, line: number, cards: Vec::new() });
         } else if let Some(block) = blocks.last_mut() {
             // A title may be blank, but is data.
-            if !line.trim().is_empty() || block.keyword.starts_with("PART") {
+            let has_title = block.keyword.starts_with("PART") || block.keyword.ends_with("_TITLE");
+            if !line.trim().is_empty() || has_title {
                 block.cards.push((number, line));
             }
         }
@@ -467,6 +587,13 @@ fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
         fields.pop();
     }
     fields
+}
+
+/// The mean of the numbers above zero among some fields.
+fn mean(fields: &[&str]) -> Option<f64> {
+    let values = fields.iter().filter_map(|text| real(text)).filter(|value| *value > 0.0);
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// An integer; an empty field is zero.

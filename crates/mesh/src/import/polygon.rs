@@ -29,7 +29,8 @@ impl Triangulator {
     /// Returns triangles as indices of corners. Requires 3 to [`CORNERS_MAX`] corners, all finite.
     ///
     /// A polygon without area, or one that crosses itself so that ears do not cover it, gives the
-    /// fan from corner 0, so nothing is lost.
+    /// fan from corner 0, so nothing is lost: every corner is one of a triangle, or lies on a side
+    /// of one.
     pub(super) fn cut(&mut self, corners: &[[f64; 3]]) -> &[[usize; 3]] {
         self.triangles.clear();
         self.flatten(corners);
@@ -49,7 +50,30 @@ impl Triangulator {
             self.triangles.clear();
             self.fan(0, count);
         }
+        self.keep_all(corners);
         &self.triangles
+    }
+
+    /// Adds a triangle for each corner that no ear has and that lies on no side of one: ears leave
+    /// out the tip of a spike, and loops of equal area the other way round.
+    fn keep_all(&mut self, corners: &[[f64; 3]]) {
+        let count = corners.len();
+        let mut is_kept = vec![false; count];
+        self.triangles.iter().flatten().for_each(|corner| is_kept[*corner] = true);
+        for at in (0..count).filter(|at| !is_kept[*at]) {
+            let sides = |t: &[usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+            let is_on = |side: [usize; 2]| is_between(corners[at], side.map(|end| corners[end]));
+            if self.triangles.iter().flat_map(sides).any(is_on) {
+                continue;
+            }
+            // Corners in one place have the same neighbours.
+            let elsewhere = |other: &usize| corners[*other] != corners[at];
+            let before = (1..count).map(|steps| (at + count - steps) % count).find(elsewhere);
+            let after = (1..count).map(|steps| (at + steps) % count).find(elsewhere);
+            if let Some((before, after)) = before.zip(after) {
+                self.triangles.push([before, at, after]);
+            }
+        }
     }
 
     fn fan(&mut self, hub: usize, count: usize) {
@@ -98,6 +122,18 @@ impl Triangulator {
                 && self.turn([hub, after(1), after(i)]) >= 0.0
         })
     }
+}
+
+/// Whether a point lies on the segment between two others, but for rounding.
+fn is_between(point: [f64; 3], [a, b]: [[f64; 3]; 2]) -> bool {
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let (along, to) = (minus(b, a), minus(point, a));
+    let length2 = dot(along, along);
+    let share = if length2 > 0.0 { (dot(to, along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    let off = minus(to, along.map(|x| x * share));
+    // Stored positions are f32.
+    dot(off, off) <= 1e-12 * length2
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 use super::{ChildMessage, ReadRequest, Report, open};
 use crate::import::{
     self, Axis, Format, ImportError, ImportOptions, ImportedMesh, LengthUnit, MeshDefect,
+    likely_kind,
 };
 use crate::side::SideFile;
 use body::{BodyKind, Mesh, Zones, defaults, file, zones};
@@ -251,14 +252,13 @@ impl ReadRequest {
     }
 
     fn kind_missing(&self, path: &Path, imported: &ImportedMesh) -> Failure {
-        let likely = match imported.report.guess.looks_like {
-            Some("a car") => "sedan (or suv)",
-            Some("a truck or bus") => "truck (or bus)",
-            Some("a motorcycle or bicycle") => "motorcycle (or cyclist)",
-            Some("a person") => "pedestrian",
-            Some("a pole or tree") => "pole",
-            Some("a wall or barrier") => "wall",
-            _ => "K",
+        let looks_like = imported.report.guess.looks_like;
+        let likely = looks_like.and_then(likely_kind).map_or("K", BodyKind::name);
+        let offers = match looks_like {
+            Some(_) => String::new(),
+            None => {
+                format!("; unit, axes and kind are offered by: trolley model info {}", self.file)
+            }
         };
         let kinds = BodyKind::ALL.map(BodyKind::name).join(", ");
         let guess = &imported.report.guess;
@@ -268,7 +268,7 @@ impl ReadRequest {
             self.file
         ))
         .with_remedy(format!(
-            "add --kind {likely}, or write kind = \"...\" into {}; kinds: {kinds}",
+            "add --kind {likely}, or write kind = \"...\" into {}; kinds: {kinds}{offers}",
             side_path(path).display()
         ))
     }
@@ -285,6 +285,7 @@ fn report(imported: &ImportedMesh, side: Option<PathBuf>) -> Report {
     Report {
         format: it.format.name().to_owned(),
         unit_m: it.frame.unit.metres(),
+        stated: it.stated.map(|stated| (stated.unit.metres(), stated.up.to_string())),
         up: it.frame.up.to_string(),
         forward: it.frame.forward.to_string(),
         triangles_in_file: it.triangles_in_file,

@@ -78,6 +78,7 @@ fn a_child_that_ends_in_mid_sentence_has_said_nothing() {
     let report = Report {
         format: "OBJ".to_owned(),
         unit_m: 1.0,
+        stated: None,
         up: "+z".to_owned(),
         forward: "+x".to_owned(),
         triangles_in_file: 1,

@@ -5,7 +5,7 @@ use crate::files::InputKind;
 use crate::{Failure, FailureKind};
 use body::Mesh;
 use bvh::BuildOptions;
-use mesh::import::{Format, Reading, readings};
+use mesh::import::{Format, Reading, StatedFrame, readings};
 use mesh::reader::{OnProgress, ReadLimits, ReadMesh, ReadRequest};
 use serde::Serialize;
 use std::path::Path;
@@ -134,6 +134,9 @@ pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result
         .map_err(|failure| failure.of_kind(FailureKind::Internal))?;
     let format = Format::ALL.into_iter().find(|format| format.name() == report.format);
     let format = format.unwrap_or(Format::Obj);
+    let stated = report.stated.as_ref().and_then(|(metres, up)| {
+        Some(StatedFrame { unit: metres.to_string().parse().ok()?, up: up.parse().ok()? })
+    });
     let whole = Mesh { corners: view.corners.to_vec(), ..Mesh::default() };
     Ok(Info::Mesh(MeshInfo {
         schema: SCHEMA,
@@ -143,6 +146,6 @@ pub fn info(path: &Path, limits: ReadLimits, progress: OnProgress<'_>) -> Result
         extent: report.size_m,
         parts: meta.parts,
         notes: report.notes,
-        readings: readings(&whole, format, READINGS_MAX),
+        readings: readings(&whole, format, stated, READINGS_MAX),
     }))
 }

@@ -57,3 +57,32 @@ fn wrong_names_are_refused_with_what_the_content_looks_like() {
     let fault = Format::detect("a.obj", b"ply\n").expect_err("misnamed");
     assert_eq!(fault.remedy().unwrap_or_default(), "rename it to end in .ply");
 }
+
+/// Regression: the remedy was to convert them to OBJ.
+#[test]
+fn archives_are_to_be_unpacked() {
+    for (file, bytes, remedy) in [
+        ("car.obj.gz", &b"\x1F\x8B\x08\0"[..], "gunzip -k car.obj.gz"),
+        ("car.obj", b"\x1F\x8B\x08\0", "gunzip -k car.obj"),
+        ("car.zip", b"PK\x03\x04", "unzip car.zip"),
+    ] {
+        let fault = Format::detect(file, bytes).expect_err(file);
+        assert!(fault.remedy().unwrap_or_default().ends_with(remedy), "{:?}", fault.remedy());
+    }
+}
+
+#[test]
+fn lines_that_end_with_cr_alone_are_told() {
+    for (format, bytes, is_so) in [
+        (Format::Obj, &b"v 0 0 0\rv 1 0 0\rf 1 2 1\r"[..], true),
+        (Format::Obj, b"v 0 0 0\r\nv 1 0 0\r\n", false),
+        (Format::Stl, b"solid a\rfacet\r", true),
+        (Format::LsDyna, b"*KEYWORD\r*NODE\r", true),
+        (Format::Ply, b"ply\rformat ascii 1.0\r", true),
+        (Format::Ply, b"ply\r\nformat ascii 1.0\r\n", false),
+        (Format::Gltf, b"{\r}", false),
+        (Format::Obj, b"", false),
+    ] {
+        assert_eq!(format.has_cr_line_ends(bytes), is_so, "{format}: {bytes:?}");
+    }
+}

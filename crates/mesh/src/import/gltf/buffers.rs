@@ -15,8 +15,12 @@ pub(super) fn parse<'b>(
         return Err(fail(MeshDefect::Empty(": the file is empty".to_owned())));
     }
     if !bytes.starts_with(b"glTF") {
+        check_version(bytes, into)?;
         let root = json::Root::from_slice(bytes).map_err(|fault| json_fault(&fault, into))?;
         return Ok((root, None));
+    }
+    if bytes.get(4..8) == Some(&1_u32.to_le_bytes()) {
+        return Err(fail(MeshDefect::Former("glTF 1.0")));
     }
     // The crate subtracts 12 from this length without checking it.
     let stated = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
@@ -31,6 +35,27 @@ pub(super) fn parse<'b>(
     let glb: Glb<'b> = Glb::from_slice(bytes).map_err(|fault| syntax(&fault))?;
     let root = json::Root::from_slice(&glb.json).map_err(|fault| json_fault(&fault, into))?;
     Ok((root, glb.bin.map(std::borrow::Cow::into_owned)))
+}
+
+/// Refuses glTF 1.0 by its name: its lists are objects, which the reader of 2.0 takes for a fault.
+fn check_version(bytes: &[u8], into: &Collector<'_>) -> Result<(), ImportError> {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        asset: Option<Asset>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Asset {
+        version: Option<String>,
+    }
+    // What is no JSON is said with its line by whoever reads it next.
+    let head: Option<Head> = serde_json::from_slice(bytes).ok();
+    let version = head.and_then(|head| head.asset).and_then(|asset| asset.version);
+    match version {
+        Some(version) if version == "1" || version.starts_with("1.") => {
+            Err(into.fail(FilePosition::Whole, MeshDefect::Former("glTF 1.0")))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn json_fault(fault: &json::Error, into: &Collector<'_>) -> ImportError {

@@ -2,6 +2,7 @@
 
 use super::super::{Axis, Format, Frame, LengthUnit};
 use super::*;
+use diagnostic::Diagnostic as _;
 use proptest::prelude::*;
 
 /// Reads in glTF's own axes, so that positions come back as they were written.
@@ -197,7 +198,7 @@ fn every_number_is_checked() {
         (
             r#""scene": 0"#,
             r#""extensionsRequired": ["KHR_draco_mesh_compression"]"#,
-            "required extension KHR_draco_mesh_compression is not supported",
+            "its triangles are compressed with Draco (KHR_draco_mesh_compression), which is not",
         ),
         (r#""scene": 0,"#, r#""scene": 0"#, "line 1: JSON: "),
     ];
@@ -236,4 +237,43 @@ proptest! {
         let outcome = collect(&bytes, &[]);
         prop_assert!(outcome.is_err() || !cut);
     }
+}
+
+/// Regression: lists that are objects in glTF 1.0 were taken for faults of JSON.
+#[test]
+fn a_former_version_and_compression_are_named_with_their_remedies() {
+    let refused = |bytes: &[u8]| {
+        let error = collect(bytes, &[]).err().expect("refused");
+        (error.to_string(), error.remedy().unwrap_or_default().into_owned())
+    };
+    let former = br#"{"asset": {"version": "1.0"}, "buffers": {"b": {"uri": "b.bin"}}}"#;
+    for bytes in [&former[..], b"glTF\x01\0\0\0\x20\0\0\0"] {
+        let (said, remedy) = refused(bytes);
+        assert_eq!(said, "a.gltf: glTF 1.0 is not supported");
+        assert!(remedy.contains("glTF 2.0"), "{remedy}");
+    }
+    let plain = json_with(r#"{"mesh": 0}"#, PLAIN, SIDE);
+    for (name, says) in
+        [("KHR_draco_mesh_compression", "Draco"), ("EXT_meshopt_compression", "meshopt")]
+    {
+        let required = format!(r#"{{"extensionsRequired": ["{name}"], "#);
+        let (said, remedy) = refused(plain.replacen('{', &required, 1).as_bytes());
+        assert!(said.contains(&format!("compressed with {says} ({name})")), "{said}");
+        assert!(remedy.contains("without compression"), "{remedy}");
+        let used = format!(r#"{{"extensionsUsed": ["{name}"], "#);
+        let used = plain.replacen('{', &used, 1);
+        let read = collect(used.as_bytes(), &[("my plate.bin", &content())]).expect("readable");
+        assert!(read.notes.iter().any(|note| note.contains(says)), "{:?}", read.notes);
+    }
+}
+
+#[test]
+fn a_skin_is_named_and_not_applied() {
+    let read = with_side(r#"{"mesh": 0, "skin": 0}"#, PLAIN).expect("readable");
+    assert!(
+        read.notes[0].starts_with("1 node has a skin, which is not applied"),
+        "{:?}",
+        read.notes
+    );
+    assert!(with_side(r#"{"mesh": 0}"#, PLAIN).expect("readable").notes.is_empty());
 }

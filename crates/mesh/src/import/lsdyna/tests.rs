@@ -2,6 +2,7 @@
 
 use super::super::{Format, Frame, LengthUnit};
 use super::*;
+use diagnostic::Diagnostic as _;
 use proptest::prelude::*;
 
 const NODES: &str = "*KEYWORD\n$ a comment\n*NODE
@@ -97,12 +98,79 @@ fn included_decks_are_read_and_named() {
         let said = with_side(&text, &[]).err().expect("refused").to_string();
         assert!(said.contains(says), "{said}");
     }
-    let own = "*INCLUDE\na.k\n";
-    let said = with_side(own, &[("a.k", own)]).err().expect("refused").to_string();
+    let chain: Vec<(String, String)> =
+        (0..12).map(|i| (format!("c{i}.k"), format!("*INCLUDE\nc{}.k\n", i + 1))).collect();
+    let side: Vec<(&str, &str)> = chain.iter().map(|(name, text)| (&**name, &**text)).collect();
+    let said = with_side("*INCLUDE\nc0.k\n", &side).err().expect("refused").to_string();
     assert!(said.contains("decks that include decks"), "{said}");
     let bad = format!("{NODES}*ELEMENT_SHELL\n9,7,1,2,3,99\n");
     let said = with_side("*INCLUDE\nb.k\n", &[("b.k", &bad)]).err().expect("refused").to_string();
     assert!(said.contains("b.k, line 13, element 9: index 99"), "{said}");
+}
+
+/// Regression: a circle was said to be too deep, and a missing deck to be a file of the mesh; both
+/// without the line, and with remedies for other formats.
+#[test]
+fn circles_and_missing_decks_are_named_with_line_and_remedy() {
+    for (main, side, says) in [
+        ("*KEYWORD\n*INCLUDE\na.k\n", vec![], "a.k: line 3: the deck includes itself: a.k → a.k"),
+        (
+            "*INCLUDE\nb.k\n",
+            vec![("b.k", "$\n*INCLUDE\n./a.k\n")],
+            "b.k, line 3: the deck includes itself: a.k → b.k → ./a.k",
+        ),
+        (
+            "*INCLUDE\nb.k\n",
+            vec![("b.k", "*INCLUDE\nc.k\n"), ("c.k", "*INCLUDE\nb.k\n")],
+            "c.k, line 2: the deck includes itself: b.k → c.k → b.k",
+        ),
+    ] {
+        let error = with_side(main, &side).err().expect("refused");
+        assert!(error.to_string().contains(says), "{error}");
+        assert!(error.remedy().unwrap_or_default().contains("closes the circle"));
+    }
+    let error = with_side("*KEYWORD\n*INCLUDE\nno.k\n", &[]).err().expect("refused");
+    assert_eq!(error.to_string(), "a.k: line 3: *INCLUDE of \"no.k\": not found");
+    let remedy = error.remedy().unwrap_or_default().into_owned();
+    assert!(remedy.contains("the included deck") && !remedy.contains("glb"), "{remedy}");
+}
+
+#[test]
+fn a_deck_says_what_it_weighs() {
+    let weighed = |cards: &str| {
+        let read = collect(cards).unwrap_or_else(|error| panic!("{error}"));
+        read.notes.into_iter().filter(|note| note.contains("weigh")).collect::<Vec<_>>()
+    };
+    let part = "*PART\nplate\n         7         3         5\n*MAT_ELASTIC_TITLE\n\n         5    \
+                7850.0     2.1E11\n";
+    let section =
+        "*SECTION_SHELL_TITLE\nthin\n         3         2\n     0.002     0.002     0.002\n";
+    // The plate is 1 m², 2 mm thick.
+    let shell = "*ELEMENT_SHELL\n1,7,1,2,3,4\n";
+    let notes = weighed(&format!("{part}{section}{shell}"));
+    assert_eq!(notes.len(), 1);
+    let says = "the deck weighs 15.700 kg, if its units are m and kg as its densities suggest: 1 \
+                elements with a density; to use it, write mass_kg = 15.700 into a side file";
+    assert_eq!(notes[0], says);
+    // An element's own thickness comes first; a lumped mass is added.
+    let own = "*ELEMENT_SHELL_THICKNESS\n1,7,1,2,3,4\n0.004,0.004,0.004,0.004\n\
+               *ELEMENT_MASS\n       9       1            100.\n";
+    let notes = weighed(&format!("{part}{section}{own}"));
+    assert!(notes[0].contains("weighs 131 kg") && notes[0].contains("1 lines of *ELEMENT_MASS"));
+    // Solids by their volume: a cube of 1 m³, and the tetrahedron of a sixth.
+    let cube = weighed(&format!("{part}*ELEMENT_SOLID\n1,7,1,2,3,4,5,6,7,8\n"));
+    assert!(cube[0].contains("weighs 7850 kg"), "{cube:?}");
+    let tetrahedron = weighed(&format!("{part}*ELEMENT_SOLID\n1,7,1,2,4,5,5,5,5,5\n"));
+    assert!(tetrahedron[0].contains("weighs 1308 kg"), "{tetrahedron:?}");
+    // What a part states holds for all of it.
+    let stated = part.replacen("*PART\n", "*PART_INERTIA\n", 1);
+    let stated = stated.replacen("*MAT", "0.0,0.0,0.0,42.5,0,0\n*MAT", 1);
+    let notes = weighed(&format!("{stated}{section}{shell}"));
+    assert!(notes[0].contains("42.5") && notes[0].contains("parts that state"), "{notes:?}");
+    // Without a thickness nothing is known, and nothing is said of the whole.
+    assert_eq!(weighed(&format!("{part}{shell}")), Vec::<String>::new());
+    let both = weighed(&format!("{part}{shell}*ELEMENT_SOLID\n2,7,1,2,3,4,5,6,7,8\n"));
+    assert_eq!(both[1], "1 elements without density or thickness not weighed");
 }
 
 #[test]

@@ -57,6 +57,26 @@ proptest! {
         prop_assert!((sum.abs() - whole.abs()).abs() < 1e-9);
     }
 
+    /// Whatever a ring does, each corner is one of a triangle, or lies on a side of one.
+    #[test]
+    fn every_corner_of_any_ring_is_kept(
+        ring in prop::collection::vec([-3_i8..=3, -3_i8..=3], 4..14),
+        axis in 0_usize..3,
+    ) {
+        let ring: Vec<[f64; 2]> = ring.iter().map(|p| p.map(f64::from)).collect();
+        let corners = lift(&ring, axis, [0.5, 0.25]);
+        let mut triangulator = Triangulator::new();
+        let triangles = triangulator.cut(&corners);
+        prop_assert!(triangles.len() <= ring.len());
+        for (at, corner) in corners.iter().enumerate() {
+            let is_of = |t: &[usize; 3]| {
+                let sides = [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+                t.contains(&at) || sides.iter().any(|s| is_between(*corner, s.map(|i| corners[i])))
+            };
+            prop_assert!(triangles.iter().any(is_of), "corner {at} of {ring:?}: {triangles:?}");
+        }
+    }
+
     /// What every other reader makes of a convex face.
     #[test]
     fn a_convex_polygon_is_a_fan(count in 4_usize..30, axis in 0_usize..3) {
@@ -96,6 +116,26 @@ fn a_ring_that_crosses_itself_hides_nothing() {
     let mut seen = [false; 4];
     triangles.iter().flatten().for_each(|corner| seen[*corner] = true);
     assert_eq!((triangles.len(), seen), (2, [true; 4]));
+}
+
+/// Regression: of two corners in one place each was taken to lie beside the other.
+#[test]
+fn corners_in_one_place_are_not_lost_together() {
+    let ring =
+        [[2.0, 3.0], [1.0, 1.0], [1.0, 3.0], [1.0, 3.0], [1.0, 0.0], [-1.0, -1.0], [-1.0, 0.0]];
+    let corners = lift(&ring, 2, [0.0, 0.0]);
+    let mut triangulator = Triangulator::new();
+    let triangles = triangulator.cut(&corners);
+    assert!(triangles.iter().flatten().any(|corner| ring[*corner] == [1.0, 3.0]), "{triangles:?}");
+}
+
+/// Regression: ears left out the tip of a spike, since it has no area.
+#[test]
+fn the_tip_of_a_spike_is_kept() {
+    let ring = [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 1.0], [2.0, 9.0], [2.0, 1.0], [0.0, 2.0]];
+    let mut triangulator = Triangulator::new();
+    let triangles = triangulator.cut(&lift(&ring, 2, [0.0, 0.0]));
+    assert!(triangles.iter().flatten().any(|corner| *corner == 4), "{triangles:?}");
 }
 
 #[test]
