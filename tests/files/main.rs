@@ -14,5 +14,6 @@ mod plausible;
 mod real;
 mod references;
 mod report;
+mod traces;
 mod traffic;
 mod words;

@@ -15,7 +15,6 @@ fn grid() -> Grid {
         buffers: vec![16],
         more_buffers: vec![1, 64],
         seeds: 16,
-        everywhere: (vec![10, 100], vec![0.0, 1.0, 10.0]),
     }
 }
 
