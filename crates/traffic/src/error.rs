@@ -20,6 +20,13 @@ pub enum TrafficPlace {
     Message(u64),
 }
 
+#[cfg(test)]
+impl TrafficPlace {
+    pub(crate) fn line(self) -> u32 {
+        if let Self::Line { line, .. } = self { line } else { 0 }
+    }
+}
+
 impl fmt::Display for TrafficPlace {
     /// As it stands behind the file's name: ":3:1", ": message 7", or nothing.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {

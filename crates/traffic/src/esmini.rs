@@ -43,6 +43,8 @@ pub(crate) fn read(
         let remedy = "is this the right file? It is written by esmini with --csv_logger FILE.csv";
         return Err(whole(file, (fault.to_owned(), remedy.to_owned())));
     };
+    // A line ends with a comma, or does not.
+    let head = head.trim().trim_end_matches(',');
     let names: Vec<&str> = head.split(',').map(str::trim).collect();
     let (time, entities) = columns(&names).map_err(|fault| at_line(number, fault))?;
     let mut tracks = Tracks::default();
@@ -154,10 +156,7 @@ fn value(names: &[&str], fields: &[&str], column: usize) -> Result<f64, Fault> {
     }
 }
 
-fn seen(
-    columns: &Columns,
-    number: impl Fn(usize) -> Result<f64, Fault>,
-) -> Result<Seen, Fault> {
+fn seen(columns: &Columns, number: impl Fn(usize) -> Result<f64, Fault>) -> Result<Seen, Fault> {
     let mut numbers = [0.0; 10];
     for (slot, column) in numbers.iter_mut().zip(columns.numbers) {
         *slot = number(column)?;

@@ -122,7 +122,8 @@ pub fn read_trace(
     form: TraceForm,
     options: &ReadOptions<'_>,
 ) -> Result<Recording, TrafficError> {
-    let failed = |what: &str, remedy: &str| trace::whole(file, (what.to_owned(), remedy.to_owned()));
+    let failed =
+        |what: &str, remedy: &str| trace::whole(file, (what.to_owned(), remedy.to_owned()));
     if !options.solutions.is_empty() {
         let remedy = "leave out --solution, or give the <commonRoad> file that it solves";
         return Err(failed("solutions are of CommonRoad's planning problems", remedy));

@@ -23,13 +23,13 @@ pub(crate) const MESSAGE_BYTES_MAX: usize = 16 << 20;
 /// Objects of a message, at most.
 const OBJECTS_MAX: usize = 20_000;
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Identifier {
     #[prost(uint64, optional, tag = "1")]
     value: Option<u64>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Timestamp {
     #[prost(int64, optional, tag = "1")]
     seconds: Option<i64>,
@@ -37,7 +37,7 @@ struct Timestamp {
     nanos: Option<u32>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Vector {
     #[prost(double, optional, tag = "1")]
     x: Option<f64>,
@@ -47,7 +47,7 @@ struct Vector {
     z: Option<f64>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Extent {
     #[prost(double, optional, tag = "1")]
     length: Option<f64>,
@@ -57,13 +57,13 @@ struct Extent {
     height: Option<f64>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Orientation {
     #[prost(double, optional, tag = "3")]
     yaw: Option<f64>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Base {
     #[prost(message, optional, tag = "1")]
     dimension: Option<Extent>,
@@ -75,13 +75,13 @@ struct Base {
     velocity: Option<Vector>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct Classification {
     #[prost(int32, optional, tag = "1")]
     kind: Option<i32>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct MovingObject {
     #[prost(message, optional, tag = "1")]
     id: Option<Identifier>,
@@ -94,7 +94,7 @@ struct MovingObject {
 }
 
 /// `base` of a stationary object has no velocity: field 4 is its polygon.
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct StationaryBase {
     #[prost(message, optional, tag = "1")]
     dimension: Option<Extent>,
@@ -104,7 +104,7 @@ struct StationaryBase {
     orientation: Option<Orientation>,
 }
 
-#[derive(Clone, PartialEq, Message)]
+#[derive(Clone, Copy, PartialEq, Message)]
 struct StationaryObject {
     #[prost(message, optional, tag = "1")]
     id: Option<Identifier>,
@@ -171,7 +171,8 @@ pub(crate) fn read(
             file: file.to_owned(),
             place,
             what,
-            remedy: "the file is cut short, or no .osi trace; let the simulator close it".to_owned(),
+            remedy: "the file is cut short, or no .osi trace; let the simulator close it"
+                .to_owned(),
         };
         let Some((length, behind)) = rest.split_first_chunk::<4>() else {
             return Err(cut(format!("{} bytes are left, where its length has 4", rest.len())));
@@ -280,9 +281,9 @@ impl<'f> Reader<'f> {
             let id = id_of(object.id.as_ref(), "moving", index)?;
             let base = object.base.unwrap_or_default();
             let vehicle = object.vehicle.and_then(|vehicle| vehicle.kind);
-            let velocity = base.velocity.map(|velocity| {
-                [velocity.x.unwrap_or(0.0), velocity.y.unwrap_or(0.0)]
-            });
+            let velocity = base
+                .velocity
+                .map(|velocity| [velocity.x.unwrap_or(0.0), velocity.y.unwrap_or(0.0)]);
             let placed = boxed(&id, base.dimension, base.position, base.orientation.as_ref())?;
             let (kind, is_guessed) = kinds::moving(object.kind, vehicle, placed.size_m);
             let velocity_m_s = velocity;

@@ -156,6 +156,13 @@ impl Tracks {
             return Err((fault, format!("name another: --ego ID. Objects here: {}", known())));
         };
         let (level_m, mut notes) = (own.first.bottom_m, Vec::new());
+        if !["car", "suv"].contains(&own.first.kind) {
+            let kind = own.first.kind;
+            notes.push(format!(
+                "the ego is a {kind} there: it has the library's body \"ego\", with its own length \
+                 and width"
+            ));
+        }
         if self.repeated > 0 {
             notes.push(format!("{} moments are stated again: the later one counts", self.repeated));
         }

@@ -36,9 +36,7 @@ use crate::Failure;
 use crate::files::{self, InputKind};
 use crate::references::References;
 use std::path::{Path, PathBuf};
-use traffic::{
-    DEFAULT_LIBRARY, Library, Manoeuvres, NamedText, ReadOptions, Recording, TraceForm,
-};
+use traffic::{DEFAULT_LIBRARY, Library, Manoeuvres, NamedText, ReadOptions, Recording, TraceForm};
 
 mod document;
 

@@ -50,8 +50,7 @@ pub(super) fn read(
                     let remedy = "is this the right file? Split the recording".to_owned();
                     return Err(whole(file, (fault, remedy)));
                 }
-                let record =
-                    parse_record(opcode, data).map_err(|error| failed(&error, &reader))?;
+                let record = parse_record(opcode, data).map_err(|error| failed(&error, &reader))?;
                 topics.take(record, &mut reader)?;
             }
         }
@@ -83,11 +82,7 @@ struct Topics {
 }
 
 impl Topics {
-    fn take(
-        &mut self,
-        record: Record<'_>,
-        reader: &mut Reader<'_>,
-    ) -> Result<(), TrafficError> {
+    fn take(&mut self, record: Record<'_>, reader: &mut Reader<'_>) -> Result<(), TrafficError> {
         match record {
             Record::Schema { header, .. } => {
                 self.schemas.insert(header.id, header.name);

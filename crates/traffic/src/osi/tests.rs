@@ -210,7 +210,9 @@ fn what_cannot_be_used_is_refused_with_the_number_of_its_message() {
             "t.osi: message 2: object \"8\": base.dimension.length is missing",
         ),
         (
-            with_object(|o| o.base.as_mut().expect("a base").position = Some(vector(f64::NAN, 0.0))),
+            with_object(|o| {
+                o.base.as_mut().expect("a base").position = Some(vector(f64::NAN, 0.0))
+            }),
             "t.osi: message 2: object \"8\": x is NaN",
         ),
         (
@@ -231,7 +233,8 @@ fn what_cannot_be_used_is_refused_with_the_number_of_its_message() {
         (
             with_object(|o| {
                 let base = o.base.as_mut().expect("a base");
-                base.dimension = Some(Extent { length: Some(4500.0), ..base.dimension.unwrap() });
+                base.dimension =
+                    Some(Extent { length: Some(4500.0), ..base.dimension.expect("a size") });
             }),
             "t.osi: message 2: object \"8\": its length is 4500 m",
         ),

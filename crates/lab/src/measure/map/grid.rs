@@ -15,6 +15,9 @@ pub(crate) struct Grid {
     pub(crate) bytes: Vec<f64>,
     pub(crate) depths: Vec<u32>,
     pub(crate) cores: Vec<u8>,
+    /// Up to which size bodies are crossed with each of these numbers of cores: an hour of many
+    /// cores and many jobs would say little more.
+    pub(crate) size_max: Vec<u32>,
     /// Buffers with all schemes.
     pub(crate) buffers: Vec<u32>,
     /// Buffers with Best Match-Load alone: what the claim about buffers needs besides.
@@ -36,6 +39,7 @@ impl Grid {
             bytes: vec![0.0, 0.3, PAPER_BYTE_NS, 3.0, 10.0],
             depths: vec![0, 1, 2, 4, 6, 8, 10, 12, 16],
             cores: vec![2, CORES, 16],
+            size_max: vec![100_000, u32::MAX, 10_000],
             buffers: vec![4, 16, 64],
             more_buffers: vec![1, 256],
             seeds: 16,
@@ -50,6 +54,7 @@ impl Grid {
             bytes: vec![0.0, PAPER_BYTE_NS],
             depths: vec![0, 2, 4],
             cores: vec![2, CORES],
+            size_max: vec![1_000, u32::MAX],
             buffers: vec![BUFFER],
             more_buffers: vec![1, 64],
             seeds: 16,
@@ -69,9 +74,17 @@ impl Grid {
         all
     }
 
-    /// Whether a sheet is about Best Match-Load alone.
+    /// Whether a sheet is about Best Match-Load alone: of a buffer that only one claim needs, or of
+    /// the largest bodies and another buffer than the usual one.
     pub(crate) fn is_light(&self, key: &SheetKey) -> bool {
-        !self.buffers.contains(&key.buffer)
+        let is_largest = self.sizes.last() == Some(&key.subject.size);
+        !self.buffers.contains(&key.buffer) || (is_largest && key.buffer != BUFFER)
+    }
+
+    /// The numbers of cores with which a subject is crossed.
+    fn cores_of(&self, subject: Subject) -> impl Iterator<Item = u8> {
+        let all = self.cores.iter().zip(&self.size_max);
+        all.filter(move |(_, most)| subject.size <= **most).map(|(cores, _)| *cores)
     }
 
     /// The sheets: every number of cores with every buffer, on every machine; on the paper's also
@@ -79,7 +92,7 @@ impl Grid {
     pub(crate) fn sheets(&self, subject: Subject) -> Vec<SheetKey> {
         let mut sheets = Vec::new();
         for (machine, is_single) in GROUPS {
-            for cores in self.cores.iter().copied() {
+            for cores in self.cores_of(subject) {
                 let key = |buffer| SheetKey { machine, subject, is_single, cores, buffer };
                 sheets.extend(self.all_buffers().into_iter().map(key));
             }

@@ -288,13 +288,21 @@ fn machines(map: &Map, say: &mut impl FnMut(&str)) {
             costs.section_ns + costs.ship_section_ns,
         ));
     }
+    let limits = map.grid.cores.iter().zip(&map.grid.size_max);
+    let left_out: Vec<String> = limits
+        .filter(|(_, most)| map.grid.sizes.last() > Some(*most))
+        .map(|(cores, most)| format!("{cores} cores have bodies of up to {most} triangles"))
+        .collect();
     say(&format!(
         "\nAxes: bodies of {:?} triangles each (generated sedan and SUV), sixteen poses 0.5 m \
          (deep) or 0.01 m (scratch) inside; memory {:?} % of both bodies, and as much as is \
          needed; a byte {:?} ns; depth {:?}; the four schemes; buffers {:?}; {:?} cores. All of \
          them are crossed, each value with every other, on the paper's machine and on this one \
-         made to copy; ours has neither memory nor a cost of a byte. Buffers of {:?}, which only \
-         claim (f) needs, have Best Match-Load alone. *Request*: all sixteen contacts are one \
+         made to copy; ours has neither memory nor a cost of a byte. Three parts of the product \
+         are left out: {}; of the largest bodies, other buffers than {BUFFER} have Best \
+         Match-Load alone, so claim (d), which compares all sizes, is judged at {CORES} cores and \
+         that buffer; and buffers of {:?}, which only claim (f) needs, have Best Match-Load alone \
+         with all bodies. *Request*: all sixteen contacts are one \
          request, whose cores keep what they got; on the paper's machine also each contact by \
          itself, with empty memories. *Virtual memory*: what is needed and not among the most \
          recent M bytes comes in, what arrives when memory is full pushes out as much. A *hard \
@@ -308,6 +316,7 @@ fn machines(map: &Map, say: &mut impl FnMut(&str)) {
         map.grid.depths,
         map.grid.all_buffers(),
         map.grid.cores,
+        left_out.join(", "),
         map.grid.more_buffers,
     ));
 }

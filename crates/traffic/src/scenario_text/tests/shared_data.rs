@@ -21,7 +21,8 @@ fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
 fn checked(path: &Path, after_s: f64) -> Result<String, String> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let text = std::fs::read_to_string(path).expect("readable");
-    let recording = read(&file, &text, &ReadOptions::default()).map_err(|error| error.to_string())?;
+    let recording =
+        read(&file, &text, &ReadOptions::default()).map_err(|error| error.to_string())?;
     let manoeuvres = Manoeuvres { after_s, ..Manoeuvres::default() };
     let made = scenario_text(&file, &recording, &manoeuvres, &library());
     let (text, notes) = made.map_err(|error| error.to_string())?;

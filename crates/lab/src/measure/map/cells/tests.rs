@@ -12,6 +12,7 @@ fn grid() -> Grid {
         bytes: vec![0.0, 1.0, 10.0],
         depths: vec![0, 2, 4, 6],
         cores: vec![4],
+        size_max: vec![u32::MAX],
         buffers: vec![16],
         more_buffers: vec![1, 64],
         seeds: 16,
