@@ -35,7 +35,8 @@ fn contacts(args: &[&str]) -> Vec<(String, Vec<(String, f64)>)> {
     all
 }
 
-/// Compares a trace with its twin, which has some of its candidates; returns the number of contacts.
+/// Compares a trace with its twin, which has some of its candidates; returns the number of
+/// contacts.
 fn compare(trace: &[&str], twin: &[&str]) -> usize {
     let (found, right) = (contacts(trace), contacts(twin));
     let mut count = 0;
@@ -88,13 +89,13 @@ fn a_trace_of_osi_meets_whom_its_twin_meets() {
          [parties.\"pillar by hand\"]\ngenerate = {{ shape = \"pole\", triangles = 4000 }}\n\
          size_m = [0.3, 0.3]\nplace = {{ position_m = [30, -3, 0] }}\n\
          [[candidates]]\nname = \"as recorded\"\npath = {braking}\n\
-         [[candidates]]\nname = \"go on\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 12 }}\n"
+         [[candidates]]\nname = \"go on, straight\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 12 }}\n"
     );
     let place = Place::new();
     let twin = place.write("twin.toml", &twin);
     let trace = [&example("crossing.osi")[..], "--at", "0", "--brakes", "0,6", "--laterals=-4,0"];
     let count = compare(&trace, &[twin.to_str().unwrap()]);
-    assert!(count >= 2, "{count} contacts");
+    assert!(count >= 3, "{count} contacts");
 }
 
 #[test]
@@ -168,10 +169,11 @@ fn what_esmini_writes_meets_whom_a_twin_in_commonroad_meets() {
     let place = Place::new();
     let twin = place.write("twin.xml", &text);
     let same = ["--at", "0", "--horizon", "3"];
-    let trace = [&[&example("junction.csv")[..]], &same[..]].concat();
+    let trace = example("junction.csv");
+    let trace = [&[&trace[..]], &same[..]].concat();
     let twin = [&[twin.to_str().unwrap(), "--ego", "1"], &same[..]].concat();
     let count = compare(&trace, &twin);
-    assert!(count >= 10, "{count} contacts");
+    assert!(count >= 6, "{count} contacts");
 }
 
 #[test]

@@ -48,7 +48,8 @@ pub(crate) struct ImportArgs {
 #[derive(Clone, Debug, Default, ClapArgs)]
 #[command(next_help_heading = "Traffic files (CommonRoad, OSI, esmini)")]
 pub(crate) struct TrafficArgs {
-    /// The obstacle, planning problem, object or entity that is the ego, if the file leaves it open.
+    /// The obstacle, planning problem, object or entity that is the ego, if the file leaves that
+    /// open.
     #[arg(long, value_name = "ID")]
     ego: Option<String>,
     /// Leave this obstacle out; may be repeated.

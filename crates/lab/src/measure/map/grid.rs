@@ -1,7 +1,6 @@
 //! The axes of the map, and the sheets that it consists of.
 
-use super::found::GROUPS;
-use super::machine::PAPER_BYTE_NS;
+use super::machine::{GROUPS, PAPER_BYTE_NS};
 use super::table::{SheetKey, Subject};
 
 /// The axes.

@@ -4,7 +4,7 @@ use super::cells::{Cell, Shares};
 use super::columns::{Form, Table, Value};
 use super::found::Map;
 use super::grid::{BUFFER, CORES};
-use super::machine::{FIGURES, Machine, PAPER_BYTE_NS, SCHEMES};
+use super::machine::{FIGURES, GROUPS, Machine, PAPER_BYTE_NS, SCHEMES};
 use super::pictures::as_the_paper_says;
 use super::real::errors;
 use super::table::Beyond;
@@ -113,7 +113,7 @@ fn opening(map: &Map, say: &mut impl FnMut(&str)) {
         map.grid.seeds,
         100.0 * TOLERANCE
     ));
-    let titles = super::found::GROUPS.map(super::found::group_title).join(" | ");
+    let titles = GROUPS.map(super::found::group_title).join(" | ");
     say(&format!("| | claim | {titles} |\n|---|---|---|---|---|---|"));
     for (claim, words) in CLAIMS {
         let verdict = |(machine, is_single)| {
@@ -126,7 +126,7 @@ fn opening(map: &Map, say: &mut impl FnMut(&str)) {
                 format!("**{}** {}", found.verdict, shares.percent())
             })
         };
-        say(&format!("| {claim} | {words} | {} |", super::found::GROUPS.map(verdict).join(" | ")));
+        say(&format!("| {claim} | {words} | {} |", GROUPS.map(verdict).join(" | ")));
     }
     say("\nShares of cells: holds / does not hold / nobody can tell.");
 }

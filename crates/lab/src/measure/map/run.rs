@@ -82,8 +82,8 @@ fn kept(key: &SheetKey, traces: &Traces, grid: &Grid, folder: &Path) -> Result<S
     let (_, costs) = traces.of_machine(key.machine);
     let jobs: usize = traces.of_machine(key.machine).0.iter().map(|(_, t)| t.jobs().count()).sum();
     let made_from = format!(
-        "trolley.map/1 orders {ORDERS} {FEW_ORDERS} {FEW_SEEDS} {MANY_JOBS} {} {} swap {} jobs {jobs} \
-        {costs:?}",
+        "trolley.map/1 orders {ORDERS} {FEW_ORDERS} {FEW_SEEDS} {MANY_JOBS} {} {} swap {} jobs \
+        {jobs} {costs:?}",
         key.name(),
         grid.made_from(),
         traces.swap_byte_ns
