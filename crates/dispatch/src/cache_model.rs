@@ -10,7 +10,7 @@
 //!   log: `cache_model/tests.rs`.
 
 use protocol::Section;
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 
 /// The capacity of a core for sections of bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,12 +63,9 @@ struct Shelf {
     /// per core.
     bits: Vec<Vec<u64>>,
     bytes: u64,
-    /// Only with eviction: per body, the turn in which each node was last needed.
-    turns: Vec<Vec<u64>>,
-    /// Uses in their order, with their turns and bytes; of a section, the last one counts.
-    uses: VecDeque<(u64, Section, u64)>,
-    /// Sections held.
-    count: usize,
+    /// Only with eviction: the turn in which each section was last needed, and the reverse map.
+    turns: BTreeMap<Section, u64>,
+    order: BTreeMap<u64, (Section, u64)>,
 }
 
 /// Which sections each core holds.
@@ -94,8 +91,8 @@ impl CacheModel {
         for shelf in &mut self.shelves {
             shelf.bits.iter_mut().for_each(|words| words.fill(0));
             shelf.bytes = 0;
-            shelf.uses.clear();
-            shelf.count = 0;
+            shelf.turns.clear();
+            shelf.order.clear();
         }
         (self.turn, self.transfer, self.thrash) = (0, Transfer::default(), None);
     }
@@ -148,7 +145,6 @@ impl CacheModel {
             Cache::Fixed(_) => {}
         }
         shelf.bytes += bytes;
-        shelf.count += 1;
         shelf.set(section, true);
         if is_limited {
             shelf.touch(section, bytes, self.turn);
@@ -198,41 +194,20 @@ impl Shelf {
 
     /// Marks a section as the most recently used.
     fn touch(&mut self, section: Section, bytes: u64, turn: u64) {
-        let (model, node) = (section.model as usize, section.node as usize);
-        if self.turns.len() <= model {
-            self.turns.resize(model + 1, Vec::new());
+        if let Some(before) = self.turns.insert(section, turn) {
+            self.order.remove(&before);
         }
-        let turns = &mut self.turns[model];
-        if turns.len() <= node {
-            turns.resize(node + 1, 0);
-        }
-        turns[node] = turn;
-        self.uses.push_back((turn, section, bytes));
-        // Uses that no longer count are dropped before they outnumber the others.
-        if self.uses.len() > 2 * self.count + 64 {
-            let Self { uses, turns, .. } = self;
-            uses.retain(|(turn, section, _)| is_last(turns, *section, *turn));
-        }
+        self.order.insert(turn, (section, bytes));
     }
 
     /// Evicts the least recently used section; `false` if there is none.
     fn evict(&mut self) -> bool {
-        while let Some((turn, section, bytes)) = self.uses.pop_front() {
-            if is_last(&self.turns, section, turn) {
-                self.set(section, false);
-                self.bytes -= bytes;
-                self.count -= 1;
-                return true;
-            }
-        }
-        false
+        let Some((_, (section, bytes))) = self.order.pop_first() else { return false };
+        self.turns.remove(&section);
+        self.set(section, false);
+        self.bytes -= bytes;
+        true
     }
-}
-
-/// Whether a section was last used in this turn.
-fn is_last(turns: &[Vec<u64>], section: Section, turn: u64) -> bool {
-    let turns = turns.get(section.model as usize);
-    turns.and_then(|turns| turns.get(section.node as usize)) == Some(&turn)
 }
 
 #[cfg(test)]

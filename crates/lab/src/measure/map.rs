@@ -30,7 +30,7 @@ use super::bench::Bench;
 use super::calibrate::calibrate;
 use super::document::{json, machine};
 use super::sweep::FINE;
-use crate::pair::PairName;
+use crate::pair::{Pair, PairName};
 use crate::progress::{Progress, SyncProgress};
 use advice::{Advice, advice};
 use cells::{Cell, Sheets, judge, region};
@@ -78,7 +78,8 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     let subjects = grid.subjects();
     let middle = grid.sizes[grid.sizes.len() / 2];
     let is_checked = |subject: &Subject| !quick || (subject.size == middle && subject.is_deep);
-    let points = real::COUNT * subjects.iter().filter(|subject| is_checked(subject)).count();
+    let is_run = subjects.iter().filter(|subject| is_checked(subject)).count();
+    let points = real::COUNT * (is_run + grid.larger.len());
     let sheets: usize = subjects.iter().map(|subject| grid.sheets(*subject).len()).sum();
     let variants = VARIANTS.len() * subjects.len();
     let bar = Progress::new((points + sheets + variants) as u64, told);
@@ -102,14 +103,11 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     // Costs of the first subject, which serve for all of a quick map.
     let mut first = None;
     for subject in subjects {
-        let name = format!("sedan:{0},suv:{0},{1}", subject.size, subject.contact());
-        let pair = name.parse::<PairName>().map_err(Failure::internal)?.load()?;
+        let pair = load(subject)?;
         let repeats = match quick {
             true => 2,
             // Short runs can be repeated often.
             false if subject.size == grid.sizes[0] => 4 * REPEATS,
-            // Long ones cannot, and what disturbs them is a smaller part.
-            false if subject.size > middle => 2,
             false => REPEATS,
         };
         let bench = Bench::new(&pair, repeats, false)?;
@@ -142,6 +140,11 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
         map.sheets.extend(keys.into_iter().zip(done));
         traced.push((subject, traces));
     }
+    for subject in grid.larger.iter().copied() {
+        let (costs, points) = larger(subject, &kept, &bar)?;
+        map.checked.extend(points);
+        map.costs.insert(format!("{}-{}", subject.size, subject.contact()), costs);
+    }
     map.variants = vary(&mut traced, &grid, &bar)?;
     map.cells = judge(&map.sheets, &grid);
     map.findings = findings(&map.cells, &grid);
@@ -150,6 +153,26 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     map.advice = map.advised.iter().map(Advice::sentence).collect();
     map.write()?;
     Ok(map)
+}
+
+/// The bodies of a subject, and their poses.
+fn load(subject: Subject) -> Result<Pair, Failure> {
+    let name = format!("sedan:{0},suv:{0},{1}", subject.size, subject.contact());
+    name.parse::<PairName>().map_err(Failure::internal)?.load()
+}
+
+/// Costs and points of a contact that is not simulated.
+fn larger(
+    subject: Subject,
+    kept: &Path,
+    bar: &Progress<'_>,
+) -> Result<(Costs, Vec<Checked>), Failure> {
+    let pair = load(subject)?;
+    // What is long cannot be repeated often, and what disturbs it is a smaller part.
+    let bench = Bench::new(&pair, 2, false)?;
+    let (here, slower) = costs(&bench, subject, kept)?;
+    let points = checked(&bench, subject, (&here, slower), kept, bar)?;
+    Ok((here, points))
 }
 
 /// This machine's costs, and how much longer its kernel takes in a worker: those of an interrupted

@@ -108,13 +108,8 @@ impl Kind<'_> {
     }
 
     fn judge(&self, setting: Setting, cells: &mut Vec<Cell>) {
-        let Self { machine, is_single, cores, buffer, .. } = *self;
-        let of_subject = |size, is_deep| {
-            let subject = Subject { size, is_deep };
-            let key = SheetKey { machine, subject, is_single, cores, buffer };
-            // Claims compare schemes.
-            if self.grid.is_light(&key) { None } else { self.curves(subject, buffer, setting) }
-        };
+        let of_subject =
+            |size, is_deep| self.curves(Subject { size, is_deep }, self.buffer, setting);
         for size in &self.grid.sizes {
             let both = [true, false].map(|is_deep| of_subject(*size, is_deep));
             for (curves, is_deep) in both.iter().zip([true, false]) {

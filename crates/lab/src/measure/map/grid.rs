@@ -8,6 +8,9 @@ use super::table::{SheetKey, Subject};
 pub(crate) struct Grid {
     /// Triangles of each body.
     pub(crate) sizes: Vec<u32>,
+    /// Contacts that real workers run and that are not simulated: simulations of so many jobs take
+    /// longer than all others together.
+    pub(crate) larger: Vec<Subject>,
     /// Memory per core (percent of both bodies).
     pub(crate) memories: Vec<u32>,
     /// Cost of a byte (ns).
@@ -33,12 +36,13 @@ pub(crate) const BUFFER: u32 = 16;
 impl Grid {
     pub(crate) fn full() -> Self {
         Self {
-            sizes: vec![10_000, 100_000, 1_000_000],
+            sizes: vec![10_000, 100_000],
+            larger: vec![Subject { size: 1_000_000, is_deep: true }],
             memories: vec![5, 20, 40, 60, 100, 200],
             bytes: vec![0.0, 0.3, PAPER_BYTE_NS, 3.0, 10.0],
             depths: vec![0, 1, 2, 4, 6, 8, 10, 12, 16],
             cores: vec![2, CORES, 16],
-            size_max: vec![100_000, u32::MAX, 10_000],
+            size_max: vec![u32::MAX, u32::MAX, 10_000],
             buffers: vec![4, 16, 64],
             more_buffers: vec![1, 256],
             seeds: 16,
@@ -49,6 +53,7 @@ impl Grid {
     pub(crate) fn quick() -> Self {
         Self {
             sizes: vec![500, 1_000, 2_000],
+            larger: Vec::new(),
             memories: vec![20, 60],
             bytes: vec![0.0, PAPER_BYTE_NS],
             depths: vec![0, 2, 4],
@@ -73,11 +78,9 @@ impl Grid {
         all
     }
 
-    /// Whether a sheet is about Best Match-Load alone: of a buffer that only one claim needs, or of
-    /// the largest bodies and another buffer than the usual one.
+    /// Whether a sheet is about Best Match-Load alone.
     pub(crate) fn is_light(&self, key: &SheetKey) -> bool {
-        let is_largest = self.sizes.last() == Some(&key.subject.size);
-        !self.buffers.contains(&key.buffer) || (is_largest && key.buffer != BUFFER)
+        !self.buffers.contains(&key.buffer)
     }
 
     /// The numbers of cores with which a subject is crossed.

@@ -298,11 +298,9 @@ fn machines(map: &Map, say: &mut impl FnMut(&str)) {
          (deep) or 0.01 m (scratch) inside; memory {:?} % of both bodies, and as much as is \
          needed; a byte {:?} ns; depth {:?}; the four schemes; buffers {:?}; {:?} cores. All of \
          them are crossed, each value with every other, on the paper's machine and on this one \
-         made to copy; ours has neither memory nor a cost of a byte. Three parts of the product \
-         are left out: {}; of the largest bodies, other buffers than {BUFFER} have Best \
-         Match-Load alone, so claim (d), which compares all sizes, is judged at {CORES} cores and \
-         that buffer; and buffers of {:?}, which only claim (f) needs, have Best Match-Load alone \
-         with all bodies. *Request*: all sixteen contacts are one \
+         made to copy; ours has neither memory nor a cost of a byte. Two parts of the product are \
+         left out: {}, so claim (d), which compares sizes, has fewer; and buffers of {:?}, which \
+         only claim (f) needs, have Best Match-Load alone. *Request*: all sixteen contacts are one \
          request, whose cores keep what they got; on the paper's machine also each contact by \
          itself, with empty memories. *Virtual memory*: what is needed and not among the most \
          recent M bytes comes in, what arrives when memory is full pushes out as much. A *hard \

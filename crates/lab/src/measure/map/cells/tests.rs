@@ -8,6 +8,7 @@ use scenario::Scheme;
 fn grid() -> Grid {
     Grid {
         sizes: vec![1_000, 10_000],
+        larger: Vec::new(),
         memories: vec![10, 100],
         bytes: vec![0.0, 1.0, 10.0],
         depths: vec![0, 2, 4, 6],
