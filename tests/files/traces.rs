@@ -89,7 +89,8 @@ fn a_trace_of_osi_meets_whom_its_twin_meets() {
          [parties.\"pillar by hand\"]\ngenerate = {{ shape = \"pole\", triangles = 4000 }}\n\
          size_m = [0.3, 0.3]\nplace = {{ position_m = [30, -3, 0] }}\n\
          [[candidates]]\nname = \"as recorded\"\npath = {braking}\n\
-         [[candidates]]\nname = \"go on, straight\"\nstate = {{ position_m = [0, 0, 0], speed_m_s = 12 }}\n"
+         [[candidates]]\nname = \"go on, straight\"\n\
+         state = {{ position_m = [0, 0, 0], speed_m_s = 12 }}\n"
     );
     let place = Place::new();
     let twin = place.write("twin.toml", &twin);
