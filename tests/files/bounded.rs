@@ -52,7 +52,7 @@ const COMMANDS: &[&str] = &[
     "policy check DEFAULT.toml --curves ?",
     "scenario import ?",
     "scenario import CROSSING.xml --bodies ?",
-    "scenario import CROSSING.xml --catalog ?",
+    "scenario import CROSSING.xml --solution ?",
     "record show ?",
     "record replay ?",
     "record verify ?",

@@ -14,6 +14,7 @@ mod plausible;
 mod real;
 mod references;
 mod report;
+mod traces;
 mod traffic;
 mod widths;
 mod words;

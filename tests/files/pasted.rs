@@ -1,7 +1,7 @@
 //! What README, `docs`, `--help` and the pages of results show is pasted, in order, into a copy of
 //! what a clone has: it runs, names files that exist, and leaves nothing that git would track.
 //!
-//! Commands with a word in capitals (`FILE.xosc`, `DIR`) show a form and are not pasted. Those that
+//! Commands with a word in capitals (`FILE.xml`, `DIR`) show a form and are not pasted. Those that
 //! measure for minutes are parsed, and the files that they name are looked for.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

@@ -84,7 +84,7 @@ fn what_is_no_traffic_file_is_refused_with_place_and_remedy() {
         ("bomb.xml", bomb.to_owned(), 65, "DTD"),
         ("json.xml", "{\"a\": 1}".to_owned(), 65, "not XML: it begins with"),
         ("toml.xml", "schema = \"trolley.scenario/1\"".to_owned(), 65, "not XML"),
-        ("other.xml", "<svg/>".to_owned(), 65, "neither CommonRoad nor OpenSCENARIO"),
+        ("other.xml", "<svg/>".to_owned(), 65, "not CommonRoad"),
         ("train.xml", crossing(0.0, "train"), 65, "no body for \"train\""),
         ("type.xml", crossing(0.0, "ufo"), 65, "obstacle type \"ufo\""),
         ("big.xml", crossing(0.0, "car").replace("<length>4", "<length>4000"), 65, "4000 m"),

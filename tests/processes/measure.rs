@@ -110,6 +110,103 @@ fn a_sweep_may_be_about_one_scheme_and_one_way_of_transfer() {
     assert!(log.lines().filter(|line| line.starts_with("assigned,")).count() > 10, "{log}");
 }
 
+/// The rows of a Parquet file, as CSV has them: text, whole numbers, and reals with their decimals.
+fn parquet_rows(path: &Path, decimals: &[(&str, usize)]) -> Vec<Vec<String>> {
+    use parquet::file::reader::SerializedFileReader;
+    use parquet::record::Field;
+    let file = std::fs::File::open(path).expect("it is there");
+    let reader = SerializedFileReader::new(file).expect("it is Parquet");
+    let field = |(name, field): (&String, &Field)| match field {
+        Field::Null => String::new(),
+        Field::Str(word) => word.clone(),
+        Field::Long(number) => number.to_string(),
+        Field::Double(number) => {
+            let known = decimals.iter().find(|(known, _)| known == name);
+            let (_, decimals) = known.expect(name);
+            format!("{number:.decimals$}")
+        }
+        other => panic!("{name}: {other:?}"),
+    };
+    reader
+        .into_iter()
+        .map(|row| row.expect("a row").get_column_iter().map(field).collect())
+        .collect()
+}
+
+/// Parquet and CSV of a map say the same: verdicts, gains, and every point of every sheet.
+fn tables_agree(out: &Path, verdicts: &str) {
+    let (memories, bytes) = ([20, 60], ["0.0", "0.9"]);
+    let mut by_hand = Vec::new();
+    for line in verdicts.lines().skip(2) {
+        let (head, signs) = line.rsplit_once(',').expect("signs");
+        let head: Vec<&str> = head.split(',').collect();
+        let is_copied = head[1] != "sealed";
+        for (group, memory) in signs.split(' ').zip(memories) {
+            for (sign, byte) in group.chars().zip(bytes) {
+                let word = match sign {
+                    '+' => "holds",
+                    '-' => "does not hold",
+                    _ => "nobody can tell",
+                };
+                let mut row: Vec<String> = head.iter().map(|field| (*field).to_owned()).collect();
+                row.push(if is_copied { memory.to_string() } else { String::new() });
+                row.push(if is_copied { byte.to_owned() } else { String::new() });
+                row.push(word.to_owned());
+                by_hand.push(row);
+            }
+        }
+    }
+    let mut found = parquet_rows(&out.join("verdicts.parquet"), &[("byte_ns", 1)]);
+    (by_hand.sort(), found.sort());
+    assert_eq!(found, by_hand);
+    // The product is full: every value of every axis with every other; but the largest bodies have
+    // four cores alone.
+    let transfer = found.iter().filter(|row| row[0] == "a" && row[1] == "copying").count();
+    let (sizes_by_cores, contacts, beyond) = (2 * 2 + 1, 2, 2);
+    assert_eq!(transfer, sizes_by_cores * contacts * beyond * memories.len() * bytes.len());
+
+    let decimals = [
+        ("byte_ns", 1),
+        ("best_match_load_over_random", 4),
+        ("standard_error", 4),
+        ("speed_up", 3),
+    ];
+    let pays = std::fs::read_to_string(out.join("pays.csv")).expect("pays.csv");
+    let csv: Vec<Vec<String>> =
+        pays.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect();
+    assert_eq!(parquet_rows(&out.join("pays.parquet"), &decimals), csv);
+
+    // A point of a sheet by its values, and by where it lies.
+    let decimals = [
+        ("byte_ns", 1),
+        ("time_us", 1),
+        ("time_sd", 1),
+        ("moved", 4),
+        ("moved_sd", 4),
+        ("swapped", 4),
+        ("out", 3),
+        ("peak", 4),
+        ("alone_us", 1),
+    ];
+    let points = parquet_rows(&out.join("points.parquet"), &decimals);
+    let mut sheets = 0;
+    let mut in_sheets = Vec::new();
+    for entry in std::fs::read_dir(out.join("sheets")).expect("sheets") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|end| end != "csv") {
+            continue;
+        }
+        sheets += 1;
+        for line in std::fs::read_to_string(&path).expect("a sheet").lines().skip(3) {
+            let fields: Vec<&str> = line.split(',').collect();
+            in_sheets.push(fields[5..].join(","));
+        }
+    }
+    let mut in_points: Vec<String> = points.iter().map(|row| row[11..19].join(",")).collect();
+    (in_points.sort(), in_sheets.sort());
+    assert!(sheets > 20 && in_points == in_sheets, "{sheets} sheets");
+}
+
 #[test]
 fn a_map_judges_every_claim_on_every_machine_and_goes_on_where_it_was() {
     let place = Place::new();
@@ -145,9 +242,10 @@ fn a_map_judges_every_claim_on_every_machine_and_goes_on_where_it_was() {
     assert!(rows.len() > 100, "{} rows", rows.len());
     for row in &rows {
         let signs = row.rsplit(',').next().expect("a field");
-        assert!(!signs.is_empty() && signs.chars().all(|sign| "+-.".contains(sign)), "{row}");
+        assert!(!signs.is_empty() && signs.chars().all(|sign| "+-. ".contains(sign)), "{row}");
     }
     assert!(said.contains("(e) only random and lowest match run out"), "{said}");
+    tables_agree(&out, &verdicts);
     // What an interrupted map has is not made again; what it lacks, or was torn, is.
     let sheet = out.join("sheets/paper-1000-deep-sixteen-4-cores-buffer-16.csv");
     let whole = std::fs::read_to_string(&sheet).expect("a sheet");

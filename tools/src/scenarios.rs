@@ -36,7 +36,7 @@ const FINE_S: f64 = 1e-6;
 /// What to check.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
-    /// Scenarios (TOML), or CommonRoad or OpenSCENARIO files.
+    /// Scenarios (TOML), CommonRoad files, or traces of simulators.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Step of time (ms).

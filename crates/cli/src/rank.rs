@@ -23,8 +23,8 @@ use trolley::{
 /// The arguments of `rank`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RankArgs {
-    /// Scenario, TOML: see `trolley help keys`; or traffic: CommonRoad or OpenSCENARIO, XML; - for
-    /// a scenario on the standard input.
+    /// Scenario, TOML: see `trolley help keys`; or traffic: CommonRoad (.xml), or a trace of a
+    /// simulator (.osi, .mcap, .csv); - for a scenario on the standard input.
     scenario: PathBuf,
     #[command(flatten)]
     references: ReferenceArgs,

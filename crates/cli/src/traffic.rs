@@ -14,23 +14,25 @@ Examples:
   trolley scenario import config/examples/crossing.xml -o crossing.toml
   trolley rank crossing.toml
   trolley scenario import config/examples/crossing.xml --at 0.5 --brakes 0,8 --laterals=-4,0,4
-  trolley scenario import config/examples/walker.xosc
-  trolley scenario import FILE.xosc --catalog CATALOG.xosc
+  trolley scenario import config/examples/crossing.osi --at 1 -o crossing.toml
+  trolley rank config/examples/merge.mcap
+  trolley rank config/examples/junction.csv --ego Oncoming
   trolley rank config/examples/crossing.xml --solution config/examples/braking.xml
 
-Reads CommonRoad 2018b and 2020a, and OpenSCENARIO 1.x where it states world positions. Without -o,
-prints the scenario.";
+Reads CommonRoad 2018b and 2020a, and traces of simulators: ASAM OSI 3 (.osi, .mcap) with ground
+truth, and what esmini writes with --csv_logger (.csv). An OpenSCENARIO script is to be played
+first. Without -o, prints the scenario.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Make a scenario from a CommonRoad or OpenSCENARIO file.
+    /// Make a scenario from a CommonRoad file or a trace of a simulator.
     #[command(after_help = EXAMPLES)]
     Import(ImportArgs),
 }
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportArgs {
-    /// Traffic file, .xml or .xosc.
+    /// Traffic file: .xml, .osi, .mcap or .csv.
     file: PathBuf,
     #[command(flatten)]
     traffic: TrafficArgs,
@@ -44,9 +46,10 @@ pub(crate) struct ImportArgs {
 
 /// How to read a traffic file, and which manoeuvres to try.
 #[derive(Clone, Debug, Default, ClapArgs)]
-#[command(next_help_heading = "Traffic files (CommonRoad, OpenSCENARIO)")]
+#[command(next_help_heading = "Traffic files (CommonRoad, OSI, esmini)")]
 pub(crate) struct TrafficArgs {
-    /// The obstacle, planning problem or entity that is the ego, if the file leaves it open.
+    /// The obstacle, planning problem, object or entity that is the ego, if the file leaves that
+    /// open.
     #[arg(long, value_name = "ID")]
     ego: Option<String>,
     /// Leave this obstacle out; may be repeated.
@@ -71,9 +74,6 @@ pub(crate) struct TrafficArgs {
     /// Library of bodies by type (default: generated ones, config/bodies/default.toml).
     #[arg(long, value_name = "FILE")]
     bodies: Option<PathBuf>,
-    /// OpenSCENARIO catalogue; may be repeated.
-    #[arg(long, value_name = "FILE")]
-    catalog: Vec<PathBuf>,
     /// Solution of a CommonRoad planner: its way is a candidate, called like the file; may be
     /// repeated.
     #[arg(long, value_name = "FILE")]
@@ -105,7 +105,6 @@ pub(crate) fn import(
         laterals_m_s2: args.laterals,
         grip_m_s2: args.grip,
         bodies: args.bodies,
-        catalogs: args.catalog,
         solutions: args.solution,
         references,
     };

@@ -41,8 +41,10 @@ pub enum InputKind {
     Plan,
     /// A library of bodies by type, for traffic.
     BodyLibrary,
-    /// Recorded or written traffic, or a catalogue for it.
+    /// Recorded or written traffic.
     Traffic,
+    /// A trace of a simulator.
+    Trace,
     /// The world poses of two bodies.
     Poses,
     /// A decision record.
@@ -68,7 +70,7 @@ const MIB: u64 = 1 << 20;
 
 impl InputKind {
     /// All kinds.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Policy,
         Self::Curves,
         Self::Parameters,
@@ -78,6 +80,7 @@ impl InputKind {
         Self::Plan,
         Self::BodyLibrary,
         Self::Traffic,
+        Self::Trace,
         Self::Poses,
         Self::Record,
         Self::Decisions,
@@ -111,6 +114,8 @@ impl InputKind {
             Self::Measurement => 16 * MIB,
             // An hour of a crossing with 100 obstacles has 30 MB.
             Self::Traffic => 64 * MIB,
+            // A minute at 100 Hz with 300 objects, or ten seconds with a map in each message.
+            Self::Trace => 256 * MIB,
             // Four million triangles: 330 MB as a model file, most meshes less.
             Self::Mesh | Self::Model => 1024 * MIB,
             // 37,000 decisions about three candidates; a service writes half as many to a file.
@@ -131,6 +136,7 @@ impl InputKind {
             Self::Plan => "a fault plan",
             Self::BodyLibrary => "a library of bodies",
             Self::Traffic => "a traffic file",
+            Self::Trace => "a trace",
             Self::Poses => "two poses",
             Self::Record => "a decision record",
             Self::Decisions => "a file of decisions",

@@ -37,11 +37,11 @@ pub(crate) const TYPES: [&str; 17] = [
 
 /// Least and greatest extent of a shape (m): a hand, and the longest train at a platform. Beyond
 /// lies a wrong unit.
-const EXTENT_M: [f64; 2] = [0.05, 500.0];
+pub(crate) const EXTENT_M: [f64; 2] = [0.05, 500.0];
 /// Greatest distance from the origin (m): coordinates of maps have up to seven digits.
-const COORDINATE_M: f64 = 1e8;
+pub(crate) const COORDINATE_M: f64 = 1e8;
 /// Greatest speed (m/s): 540 km/h, as in a scenario.
-const SPEED_M_S: f64 = 150.0;
+pub(crate) const SPEED_M_S: f64 = 150.0;
 /// An obstacle that starts as near to the ego as this is the ego: (m), (rad), (m/s).
 const SAME: [f64; 3] = [0.1, 0.05, 0.2];
 

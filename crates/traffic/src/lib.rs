@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! CommonRoad 2018b, 2020a, solutions ─┐
-//! OpenSCENARIO (in part) ─────────────┴─read─▶ Recording ─ scenario_text ─▶ scenario (TOML)
-//!                                     ego manoeuvres, library of bodies ┘
+//! ASAM OSI: .osi, .mcap ──────────────┼─read─▶ Recording ─ scenario_text ─▶ scenario (TOML)
+//! esmini's CSV ───────────────────────┘                        │
+//!                             ego manoeuvres, library of bodies ┘
 //! ```
 //!
 //! Everything lies in the ground plane, in metres, seconds and radians. A recording states where
@@ -13,7 +14,8 @@
 //! # Invariants
 //!
 //! - A file is read whole or refused with line, element and remedy; nothing is guessed in silence:
-//!   what was taken for something else stands in [`Recording::notes`]. `commonroad/tests.rs`.
+//!   what was taken for something else stands in [`Recording::notes`]. `commonroad/tests.rs`,
+//!   `osi/tests.rs`, `esmini/tests.rs`.
 //! - Outlines overlap exactly if they share a point, for any rectangles, circles and polygons:
 //!   `outline/tests.rs`.
 //! - No manoeuvre asks the tyres for more than [`Manoeuvres::grip_m_s2`]: `manoeuvre/tests.rs`.
@@ -22,16 +24,18 @@
 
 mod commonroad;
 mod error;
+mod esmini;
 mod library;
 mod manoeuvre;
-mod openscenario;
+mod osi;
 mod outline;
 mod recording;
 mod scenario_text;
+mod trace;
 mod write;
 mod xml;
 
-pub use error::TrafficError;
+pub use error::{TrafficError, TrafficPlace};
 pub use library::{DEFAULT_LIBRARY, Library};
 pub use manoeuvre::{Manoeuvre, Manoeuvres};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
@@ -42,12 +46,11 @@ pub use xml::TEXT_BYTES_MAX;
 /// What the person at the terminal says about a file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReadOptions<'a> {
-    /// Which obstacle, planning problem or entity is the ego, where the file leaves that open.
+    /// Which obstacle, planning problem, object or entity is the ego, where the file leaves that
+    /// open.
     pub ego: Option<&'a str>,
     /// Obstacles to leave out.
     pub without: &'a [String],
-    /// Catalogues of OpenSCENARIO.
-    pub catalogs: &'a [NamedText<'a>],
     /// Solutions of CommonRoad's planning problem: ways of the ego to rank beside others.
     pub solutions: &'a [NamedText<'a>],
 }
@@ -61,7 +64,27 @@ pub struct NamedText<'a> {
     pub text: &'a str,
 }
 
-/// Reads a file of any known form; which one, its first element says.
+/// The form of a trace that a simulator wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TraceForm {
+    /// Messages of ASAM OSI, each behind its length.
+    Osi,
+    /// Messages of ASAM OSI in a container.
+    Mcap,
+    /// What esmini writes with `--csv_logger`.
+    Csv,
+}
+
+impl TraceForm {
+    /// The form of files whose names end so, without the point: "osi".
+    #[must_use]
+    pub fn of_ending(ending: &str) -> Option<Self> {
+        let known = [("osi", Self::Osi), ("mcap", Self::Mcap), ("csv", Self::Csv)];
+        known.iter().find(|(end, _)| ending.eq_ignore_ascii_case(end)).map(|(_, form)| *form)
+    }
+}
+
+/// Reads a text of XML: CommonRoad.
 ///
 /// `file` is its name in errors.
 ///
@@ -73,14 +96,53 @@ pub fn read(file: &str, text: &str, options: &ReadOptions<'_>) -> Result<Recordi
     let root = document.root();
     match root.name() {
         "commonRoad" => commonroad::read(root, options),
-        "OpenSCENARIO" if options.solutions.is_empty() => openscenario::read(root, options),
         "OpenSCENARIO" => Err(root.fault(
-            "solutions are of CommonRoad's planning problems",
-            "leave out --solution, or give the <commonRoad> file that it solves",
+            "a script, which says what is to happen and not where everybody is",
+            "play it in esmini (esmini --osc FILE.xosc --csv_logger FILE.csv, or --osi_file \
+             FILE.osi), then rank that trace",
         )),
         other => Err(root.fault(
-            format!("this is <{other}>, neither CommonRoad nor OpenSCENARIO"),
-            "give a <commonRoad> file of version 2018b or 2020a, or an <OpenSCENARIO> file",
+            format!("this is <{other}>, not CommonRoad"),
+            "give a <commonRoad> file of version 2018b or 2020a, or a trace: .osi, .mcap, .csv",
+        )),
+    }
+}
+
+/// Reads a trace of a simulator.
+///
+/// `file` is its name in errors.
+///
+/// # Errors
+///
+/// The first fault found, with its place (line or message) and remedy; or this build does not have
+/// the feature `mcap`.
+pub fn read_trace(
+    file: &str,
+    bytes: &[u8],
+    form: TraceForm,
+    options: &ReadOptions<'_>,
+) -> Result<Recording, TrafficError> {
+    let failed =
+        |what: &str, remedy: &str| trace::whole(file, (what.to_owned(), remedy.to_owned()));
+    if !options.solutions.is_empty() {
+        let remedy = "leave out --solution, or give the <commonRoad> file that it solves";
+        return Err(failed("solutions are of CommonRoad's planning problems", remedy));
+    }
+    match form {
+        TraceForm::Osi => osi::read(file, bytes, options),
+        TraceForm::Csv => {
+            let text = core::str::from_utf8(bytes).map_err(|error| {
+                let what = format!("not UTF-8 from byte {} on", error.valid_up_to());
+                failed(&what, "is this the right file?")
+            })?;
+            esmini::read(file, text, options)
+        }
+        #[cfg(feature = "mcap")]
+        TraceForm::Mcap => osi::read_mcap(file, bytes, options),
+        #[cfg(not(feature = "mcap"))]
+        TraceForm::Mcap => Err(failed(
+            "this build does not read MCAP",
+            "build it with the feature mcap, or write the trace as .osi",
         )),
     }
 }

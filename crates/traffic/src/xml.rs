@@ -3,7 +3,7 @@
 //! The parser refuses every document type declaration, so entities cannot multiply; attributes and
 //! nesting are bounded by it, text and nodes here.
 
-use crate::error::TrafficError;
+use crate::error::{TrafficError, TrafficPlace};
 use ::xml::XmlError;
 use roxmltree::Node;
 
@@ -23,8 +23,7 @@ impl<'t> Document<'t> {
     pub(crate) fn parse(file: &'t str, text: &'t str) -> Result<Self, TrafficError> {
         let wrong = |line, column, fault: String, help: &str| TrafficError {
             file: file.to_owned(),
-            line,
-            column,
+            place: TrafficPlace::Line { line, column },
             what: fault,
             remedy: help.to_owned(),
         };
@@ -95,8 +94,7 @@ impl<'d> Element<'d> {
         let at = self.node.document().text_pos_at(self.node.range().start);
         TrafficError {
             file: self.file.to_owned(),
-            line: at.row,
-            column: at.col,
+            place: TrafficPlace::Line { line: at.row, column: at.col },
             what: format!("{}: {}", self.title(), fault.as_ref()),
             remedy: help.into(),
         }

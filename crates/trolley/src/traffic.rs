@@ -1,4 +1,5 @@
-//! Traffic files as scenarios: CommonRoad 2018b and 2020a, OpenSCENARIO 1.x.
+//! Traffic files as scenarios: CommonRoad 2018b and 2020a, and traces of simulators: ASAM OSI 3
+//! (`.osi`, `.mcap`), and what esmini writes with `--csv_logger` (`.csv`).
 //!
 //! Everybody becomes a party with its way, and the manoeuvres that friction allows the ego become
 //! candidates, whether or not they meet anybody.
@@ -35,7 +36,7 @@ use crate::Failure;
 use crate::files::{self, InputKind};
 use crate::references::References;
 use std::path::{Path, PathBuf};
-use traffic::{DEFAULT_LIBRARY, Library, Manoeuvres, NamedText, ReadOptions, Recording};
+use traffic::{DEFAULT_LIBRARY, Library, Manoeuvres, NamedText, ReadOptions, Recording, TraceForm};
 
 mod document;
 
@@ -55,7 +56,7 @@ const BEFORE_S: f64 = 1.0;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct TrafficOptions {
-    /// Which obstacle, planning problem or entity is the ego, if the file leaves that open.
+    /// Which obstacle, planning problem, object or entity is the ego, if the file leaves that open.
     pub ego: Option<String>,
     /// Obstacles to leave out.
     pub without: Vec<String>,
@@ -71,8 +72,6 @@ pub struct TrafficOptions {
     pub grip_m_s2: Option<f64>,
     /// Library of bodies by type; `None` means generated ones.
     pub bodies: Option<PathBuf>,
-    /// OpenSCENARIO catalogues.
-    pub catalogs: Vec<PathBuf>,
     /// Solutions of CommonRoad planners: ways of the ego that are candidates, too.
     pub solutions: Vec<PathBuf>,
     /// Which model files the library of bodies may name.
@@ -165,13 +164,13 @@ pub struct ImportedTraffic {
 /// ```
 /// use trolley::traffic::is_traffic;
 ///
-/// assert!(is_traffic("crossing.xml".as_ref()) && is_traffic("cut-in.xosc".as_ref()));
+/// assert!(is_traffic("crossing.xml".as_ref()) && is_traffic("cut-in.osi".as_ref()));
 /// assert!(!is_traffic("../../config/scenarios/small.toml".as_ref()));
 /// ```
 #[must_use]
 pub fn is_traffic(path: &Path) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
-    if matches!(end.as_deref(), Some("xml" | "xosc")) {
+    if trace_form(path).is_some() || matches!(end.as_deref(), Some("xml" | "xosc")) {
         return true;
     }
     let mut head = [0; 64];
@@ -179,6 +178,11 @@ pub fn is_traffic(path: &Path) -> bool {
     let head = &head[..length];
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     head.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'<')
+}
+
+/// The form of a trace of a simulator, by its name.
+fn trace_form(path: &Path) -> Option<TraceForm> {
+    TraceForm::of_ending(&path.extension()?.to_string_lossy())
 }
 
 /// Reads a traffic file and makes a scenario of it.
@@ -218,7 +222,6 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     let name = path.display().to_string();
     let mut manoeuvres = options.manoeuvres()?;
     let library = options.library()?;
-    let source = files::text(path, InputKind::Traffic)?;
     if !options.solutions.is_empty() && options.at_s.is_some_and(|at_s| at_s > 0.0) {
         let fault = "--at: a solution begins where the ego starts";
         let help = "leave out --at, or rank without --solution";
@@ -230,14 +233,18 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
         };
         paths.iter().map(text).collect()
     };
-    let (catalogs, solutions) = (texts(&options.catalogs)?, texts(&options.solutions)?);
+    let solutions = texts(&options.solutions)?;
     let read = ReadOptions {
         ego: options.ego.as_deref(),
         without: &options.without,
-        catalogs: &named(&catalogs),
         solutions: &named(&solutions),
     };
-    let recording = traffic::read(&name, &source, &read)?;
+    let recording = match trace_form(path) {
+        Some(form) => {
+            traffic::read_trace(&name, &files::bytes(path, InputKind::Trace)?, form, &read)?
+        }
+        None => traffic::read(&name, &files::text(path, InputKind::Traffic)?, &read)?,
+    };
     let mut notes = recording.notes.clone();
     if options.at_s.is_none()
         && solutions.is_empty()

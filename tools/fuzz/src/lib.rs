@@ -23,6 +23,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("collada", |bytes| mesh(Format::Collada, bytes)),
     ("lsdyna", |bytes| mesh(Format::LsDyna, bytes)),
     ("traffic", |bytes| text(bytes, traffic)),
+    ("trace", traces),
     ("settings", |bytes| text(bytes, settings)),
     ("model-file", model_file),
     ("record", record_files),
@@ -76,14 +77,28 @@ fn settings(text: &str) {
 
 /// Read, driven through, and written as a scenario, which is one then.
 fn traffic(text: &str) {
-    let Ok(recording) = traffic::read("fuzz", text, &traffic::ReadOptions::default()) else {
-        return;
-    };
+    if let Ok(recording) = traffic::read("fuzz", text, &traffic::ReadOptions::default()) {
+        driven(&recording);
+    }
+}
+
+/// A trace of a simulator, in every form, with an ego that the file names.
+fn traces(bytes: &[u8]) {
+    use traffic::TraceForm;
+    for form in [TraceForm::Osi, TraceForm::Mcap, TraceForm::Csv] {
+        let read = traffic::read_trace("fuzz", bytes, form, &traffic::ReadOptions::default());
+        if let Ok(recording) = read {
+            driven(&recording);
+        }
+    }
+}
+
+fn driven(recording: &traffic::Recording) {
     let manoeuvres = traffic::Manoeuvres::default();
     let library = LIBRARY.get_or_init(|| {
         traffic::Library::parse("default", traffic::DEFAULT_LIBRARY).expect("it is shipped")
     });
-    if let Ok((text, _)) = traffic::scenario_text("fuzz", &recording, &manoeuvres, library) {
+    if let Ok((text, _)) = traffic::scenario_text("fuzz", recording, &manoeuvres, library) {
         scenario::ScenarioDraft::parse("fuzz", &text).expect("a scenario is written");
     }
 }

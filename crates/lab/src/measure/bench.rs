@@ -125,12 +125,21 @@ impl<'p> Bench<'p> {
         Err(Failure::internal("two configurations found different triangles"))
     }
 
+    /// The jobs at one depth, from one run in this process.
+    pub(crate) fn trace(&self, depth: u32) -> Result<Trace, Failure> {
+        Ok(self.repeated(depth, 0)?.trace)
+    }
+
     /// Runs all jobs in this process, each timed: the fastest of the repeats.
     pub(crate) fn alone(&self, depth: u32) -> Result<Alone, Failure> {
+        self.repeated(depth, self.repeats)
+    }
+
+    fn repeated(&self, depth: u32, repeats: usize) -> Result<Alone, Failure> {
         let mut times: Vec<(u64, Spent)> = Vec::new();
         let mut samples: Vec<Sample> = Vec::new();
         let mut tasks = Vec::new();
-        for round in 0..=self.repeats {
+        for round in 0..=repeats {
             let mut work = self.work(depth);
             let mut jobs = vec![TaskTrace::default(); self.pair.poses.len()];
             let mut at = 0;

@@ -12,6 +12,7 @@
 
 mod advice;
 mod cells;
+mod columns;
 mod fitted;
 mod found;
 mod grid;
@@ -29,14 +30,15 @@ use super::bench::Bench;
 use super::calibrate::calibrate;
 use super::document::{json, machine};
 use super::sweep::FINE;
-use crate::pair::PairName;
+use crate::pair::{Pair, PairName};
 use crate::progress::{Progress, SyncProgress};
 use advice::{Advice, advice};
 use cells::{Cell, Sheets, judge, region};
 pub use found::Map;
-use found::{Finding, GROUPS, Variant};
+use found::{Finding, Variant};
 use grid::{BUFFER, CORES, Grid};
-use machine::{Machine, PAPER, PAPER_BYTE_NS, SWAP_BYTE_NS};
+use machine::{GROUPS, Machine, PAPER, PAPER_BYTE_NS, SWAP_BYTE_NS};
+use real::Checked;
 use run::Traces;
 use scenario::EngineSettings;
 use simulate::Costs;
@@ -75,12 +77,9 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     let grid = if *quick { Grid::quick() } else { Grid::full() };
     let subjects = grid.subjects();
     let middle = grid.sizes[grid.sizes.len() / 2];
-    // Larger bodies take too long to be run often.
-    let is_checked = |subject: &Subject| match quick {
-        true => subject.size == middle && subject.is_deep,
-        false => subject.size <= middle,
-    };
-    let points = real::COUNT * subjects.iter().filter(|subject| is_checked(subject)).count();
+    let is_checked = |subject: &Subject| !quick || (subject.size == middle && subject.is_deep);
+    let is_run = subjects.iter().filter(|subject| is_checked(subject)).count();
+    let points = real::COUNT * (is_run + grid.larger.len());
     let sheets: usize = subjects.iter().map(|subject| grid.sheets(*subject).len()).sum();
     let variants = VARIANTS.len() * subjects.len();
     let bar = Progress::new((points + sheets + variants) as u64, told);
@@ -104,8 +103,7 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     // Costs of the first subject, which serve for all of a quick map.
     let mut first = None;
     for subject in subjects {
-        let name = format!("sedan:{0},suv:{0},{1}", subject.size, subject.contact());
-        let pair = name.parse::<PairName>().map_err(Failure::internal)?.load()?;
+        let pair = load(subject)?;
         let repeats = match quick {
             true => 2,
             // Short runs can be repeated often.
@@ -119,7 +117,7 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
         };
         first.get_or_insert((here, slower));
         if is_checked(&subject) {
-            map.checked.extend(real::check(&bench, subject, (&here, slower), &|| bar.add(1))?);
+            map.checked.extend(checked(&bench, subject, (&here, slower), &kept, &bar)?);
             if subject.is_deep && subject.size == middle {
                 map.plain_costs = traced::plain_costs(&bench, &[0, 4, 8]);
             }
@@ -135,12 +133,17 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
         };
         for depth in &grid.depths {
             traces.plain.push((*depth, traced::plain(&bench, *depth)));
-            traces.wide.push((*depth, bench.alone(*depth)?.trace));
+            traces.wide.push((*depth, bench.trace(*depth)?));
         }
         let keys = grid.sheets(subject);
         let done = run::sheets(&keys, &traces, &grid, Some(&kept), &bar)?;
         map.sheets.extend(keys.into_iter().zip(done));
         traced.push((subject, traces));
+    }
+    for subject in grid.larger.iter().copied() {
+        let (costs, points) = larger(subject, &kept, &bar)?;
+        map.checked.extend(points);
+        map.costs.insert(format!("{}-{}", subject.size, subject.contact()), costs);
     }
     map.variants = vary(&mut traced, &grid, &bar)?;
     map.cells = judge(&map.sheets, &grid);
@@ -150,6 +153,26 @@ pub fn map(options: &MapOptions, told: SyncProgress<'_>) -> Result<Map, Failure>
     map.advice = map.advised.iter().map(Advice::sentence).collect();
     map.write()?;
     Ok(map)
+}
+
+/// The bodies of a subject, and their poses.
+fn load(subject: Subject) -> Result<Pair, Failure> {
+    let name = format!("sedan:{0},suv:{0},{1}", subject.size, subject.contact());
+    name.parse::<PairName>().map_err(Failure::internal)?.load()
+}
+
+/// Costs and points of a contact that is not simulated.
+fn larger(
+    subject: Subject,
+    kept: &Path,
+    bar: &Progress<'_>,
+) -> Result<(Costs, Vec<Checked>), Failure> {
+    let pair = load(subject)?;
+    // What is long cannot be repeated often, and what disturbs it is a smaller part.
+    let bench = Bench::new(&pair, 2, false)?;
+    let (here, slower) = costs(&bench, subject, kept)?;
+    let points = checked(&bench, subject, (&here, slower), kept, bar)?;
+    Ok((here, points))
 }
 
 /// This machine's costs, and how much longer its kernel takes in a worker: those of an interrupted
@@ -163,6 +186,27 @@ fn costs(bench: &Bench<'_>, subject: Subject, kept: &Path) -> Result<(Costs, f64
     let found = fitted::fitted(bench, &calibrate(bench, FINE)?)?;
     files::replace(&path, json(&found)?.as_bytes())?;
     Ok(found)
+}
+
+/// The points that real workers ran: those of an interrupted map, or run and kept.
+fn checked(
+    bench: &Bench<'_>,
+    subject: Subject,
+    costs: (&Costs, f64),
+    kept: &Path,
+    bar: &Progress<'_>,
+) -> Result<Vec<Checked>, Failure> {
+    let path = kept.join(format!("checked-{}-{}.json", subject.size, subject.contact()));
+    let known = std::fs::read_to_string(&path).ok();
+    if let Some(points) = known.and_then(|text| serde_json::from_str::<Vec<Checked>>(&text).ok())
+        && points.len() == real::COUNT
+    {
+        bar.add(real::COUNT as u64);
+        return Ok(points);
+    }
+    let points = real::check(bench, subject, costs, &|| bar.add(1))?;
+    files::replace(&path, json(&points)?.as_bytes())?;
+    Ok(points)
 }
 
 /// Changes of the costs of the paper's machine: what they are, tests, messages, swap.
@@ -267,7 +311,11 @@ impl Map {
     fn write(&self) -> Result<(), Failure> {
         let write = |name: &str, bytes: &[u8]| files::replace(&self.out.join(name), bytes);
         write("verdicts.csv", page::verdicts_csv(self).as_bytes())?;
-        write("pays.csv", page::pays_csv(self).as_bytes())?;
+        write("verdicts.parquet", &page::verdicts_table(self).parquet()?)?;
+        let pays = page::pays_table(self);
+        write("pays.csv", pays.csv().as_bytes())?;
+        write("pays.parquet", &pays.parquet()?)?;
+        write("points.parquet", &page::points_table(self).parquet()?)?;
         write("map.json", json(self)?.as_bytes())?;
         for (name, svg) in pictures::maps(self) {
             write(&name, svg.as_bytes())?;

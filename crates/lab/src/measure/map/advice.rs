@@ -106,7 +106,7 @@ fn cases(
     };
     let mut cases = Vec::new();
     for key in sheets.keys().filter(usual) {
-        for setting in settings(grid, machine, key.cores, key.buffer) {
+        for setting in settings(grid, machine) {
             if is_in(setting.byte, setting.short.map(|(_, memory)| memory)) {
                 cases.push(sheets[key].curves(setting.byte, setting.short));
             }

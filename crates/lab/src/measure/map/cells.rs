@@ -1,6 +1,6 @@
 //! Every claim at every cell of the map, and in which region it holds.
 
-use super::grid::{BUFFER, CORES, Grid};
+use super::grid::{BUFFER, Grid};
 use super::machine::Machine;
 use super::table::{Beyond, Curves, Sheet, SheetKey, Subject};
 use super::verdict::{self, Verdict};
@@ -34,15 +34,15 @@ pub(crate) struct Setting {
     pub(crate) short: Option<(Beyond, usize)>,
 }
 
-/// All settings of a machine's sheets of this many cores and this buffer.
-pub(crate) fn settings(grid: &Grid, machine: Machine, cores: u8, buffer: u32) -> Vec<Setting> {
+/// All settings of a machine's sheets.
+pub(crate) fn settings(grid: &Grid, machine: Machine) -> Vec<Setting> {
     if !machine.copies() {
         return vec![Setting { byte: 0, short: None }];
     }
     let mut settings = Vec::new();
-    for byte in grid.bytes_on(cores, buffer) {
+    for byte in 0..grid.bytes.len() {
         for beyond in Beyond::ALL {
-            let memories = grid.memories_on(cores, buffer).into_iter();
+            let memories = 0..grid.memories.len();
             settings.extend(memories.map(|memory| Setting { byte, short: Some((beyond, memory)) }));
         }
     }
@@ -60,16 +60,12 @@ pub(crate) fn judge(sheets: &Sheets, grid: &Grid) -> Vec<Cell> {
     for (machine, is_single, cores, buffer) in kinds {
         let kind = Kind { sheets, grid, machine, is_single, cores, buffer };
         if grid.buffers.contains(&buffer) {
-            for setting in settings(grid, machine, cores, buffer) {
+            for setting in settings(grid, machine) {
                 kind.judge(setting, &mut cells);
             }
         }
-        // What sheets of all buffers have.
-        if let Some(other) = grid.all_buffers().into_iter().find(|other| *other != BUFFER)
-            && cores == CORES
-            && buffer == BUFFER
-        {
-            for setting in settings(grid, machine, cores, other) {
+        if buffer == BUFFER {
+            for setting in settings(grid, machine) {
                 kind.judge_buffers(setting, &mut cells);
             }
         }

@@ -26,14 +26,6 @@ pub(crate) struct Finding {
     pub(crate) regions: Vec<String>,
 }
 
-/// The machines as claims are judged on them: the paper runs one contact at a time.
-pub(crate) const GROUPS: [(Machine, bool); 4] = [
-    (Machine::Paper, true),
-    (Machine::Paper, false),
-    (Machine::Copying, false),
-    (Machine::Sealed, false),
-];
-
 impl Finding {
     /// The machine, and whether each contact is a request.
     pub(crate) fn title(&self) -> String {

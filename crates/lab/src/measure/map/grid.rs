@@ -1,6 +1,6 @@
 //! The axes of the map, and the sheets that it consists of.
 
-use super::machine::{Machine, PAPER_BYTE_NS};
+use super::machine::{GROUPS, PAPER_BYTE_NS};
 use super::table::{SheetKey, Subject};
 
 /// The axes.
@@ -8,21 +8,24 @@ use super::table::{SheetKey, Subject};
 pub(crate) struct Grid {
     /// Triangles of each body.
     pub(crate) sizes: Vec<u32>,
+    /// Contacts that real workers run and that are not simulated: simulations of so many jobs take
+    /// longer than all others together.
+    pub(crate) larger: Vec<Subject>,
     /// Memory per core (percent of both bodies).
     pub(crate) memories: Vec<u32>,
     /// Cost of a byte (ns).
     pub(crate) bytes: Vec<f64>,
     pub(crate) depths: Vec<u32>,
     pub(crate) cores: Vec<u8>,
+    /// Up to which size bodies are crossed with each of these numbers of cores: an hour of many
+    /// cores and many jobs would say little more.
+    pub(crate) size_max: Vec<u32>,
     /// Buffers with all schemes.
     pub(crate) buffers: Vec<u32>,
     /// Buffers with Best Match-Load alone: what the claim about buffers needs besides.
     pub(crate) more_buffers: Vec<u32>,
     /// Seeds of random match.
     pub(crate) seeds: u64,
-    /// Of the memories and costs of a byte, those that every sheet has; the others are on sheets of
-    /// four cores and the usual buffer alone.
-    pub(crate) everywhere: (Vec<u32>, Vec<f64>),
 }
 
 /// Cores of the paper's machine.
@@ -33,15 +36,16 @@ pub(crate) const BUFFER: u32 = 16;
 impl Grid {
     pub(crate) fn full() -> Self {
         Self {
-            sizes: vec![10_000, 100_000, 1_000_000],
+            sizes: vec![10_000, 100_000],
+            larger: vec![Subject { size: 1_000_000, is_deep: true }],
             memories: vec![5, 20, 40, 60, 100, 200],
             bytes: vec![0.0, 0.3, PAPER_BYTE_NS, 3.0, 10.0],
             depths: vec![0, 1, 2, 4, 6, 8, 10, 12, 16],
-            cores: vec![2, 4, 8, 16],
+            cores: vec![2, CORES, 16],
+            size_max: vec![u32::MAX, u32::MAX, 10_000],
             buffers: vec![4, 16, 64],
-            more_buffers: vec![1, 2, 8, 32, 256],
+            more_buffers: vec![1, 256],
             seeds: 16,
-            everywhere: (vec![20, 60, 200], vec![0.0, PAPER_BYTE_NS, 10.0]),
         }
     }
 
@@ -49,14 +53,15 @@ impl Grid {
     pub(crate) fn quick() -> Self {
         Self {
             sizes: vec![500, 1_000, 2_000],
+            larger: Vec::new(),
             memories: vec![20, 60],
             bytes: vec![0.0, PAPER_BYTE_NS],
             depths: vec![0, 2, 4],
-            cores: vec![CORES],
+            cores: vec![2, CORES],
+            size_max: vec![1_000, u32::MAX],
             buffers: vec![BUFFER],
             more_buffers: vec![1, 64],
             seeds: 16,
-            everywhere: (vec![20, 60], vec![0.0, PAPER_BYTE_NS]),
         }
     }
 
@@ -78,53 +83,28 @@ impl Grid {
         !self.buffers.contains(&key.buffer)
     }
 
-    /// The sheets: buffers at four cores, numbers of cores at the usual buffer; on the paper's
-    /// machine also with each contact a request of its own.
+    /// The numbers of cores with which a subject is crossed.
+    fn cores_of(&self, subject: Subject) -> impl Iterator<Item = u8> {
+        let all = self.cores.iter().zip(&self.size_max);
+        all.filter(move |(_, most)| subject.size <= **most).map(|(cores, _)| *cores)
+    }
+
+    /// The sheets: every number of cores with every buffer, on every machine; on the paper's also
+    /// with each contact a request of its own.
     pub(crate) fn sheets(&self, subject: Subject) -> Vec<SheetKey> {
         let mut sheets = Vec::new();
-        for machine in Machine::ALL {
-            for is_single in [false, true] {
-                if is_single && machine != Machine::Paper {
-                    continue;
-                }
-                let key = |cores, buffer| SheetKey { machine, subject, is_single, cores, buffer };
-                sheets.extend(self.all_buffers().into_iter().map(|buffer| key(CORES, buffer)));
-                let others = self.cores.iter().filter(|cores| **cores != CORES);
-                if !is_single {
-                    sheets.extend(others.map(|cores| key(*cores, BUFFER)));
-                }
+        for (machine, is_single) in GROUPS {
+            for cores in self.cores_of(subject) {
+                let key = |buffer| SheetKey { machine, subject, is_single, cores, buffer };
+                sheets.extend(self.all_buffers().into_iter().map(key));
             }
         }
         sheets
     }
 
-    /// Whether sheets of this many cores and this buffer have every memory and cost of a byte.
-    fn has_all(cores: u8, buffer: u32) -> bool {
-        (cores, buffer) == (CORES, BUFFER)
-    }
-
-    /// The numbers of the costs of a byte on sheets of this many cores and this buffer.
-    pub(crate) fn bytes_on(&self, cores: u8, buffer: u32) -> Vec<usize> {
-        let is_there = |number: &usize| {
-            Self::has_all(cores, buffer) || self.everywhere.1.contains(&self.bytes[*number])
-        };
-        (0..self.bytes.len()).filter(is_there).collect()
-    }
-
-    /// The same of memories.
-    pub(crate) fn memories_on(&self, cores: u8, buffer: u32) -> Vec<usize> {
-        let is_there = |number: &usize| {
-            Self::has_all(cores, buffer) || self.everywhere.0.contains(&self.memories[*number])
-        };
-        (0..self.memories.len()).filter(is_there).collect()
-    }
-
     /// What a sheet of these axes was made from, apart from traces and costs.
     pub(crate) fn made_from(&self) -> String {
-        let Self { memories, bytes, depths, seeds, everywhere, .. } = self;
-        format!(
-            "memories {memories:?} bytes {bytes:?} everywhere {everywhere:?} depths {depths:?} \
-             seeds {seeds}"
-        )
+        let Self { memories, bytes, depths, seeds, .. } = self;
+        format!("memories {memories:?} bytes {bytes:?} depths {depths:?} seeds {seeds}")
     }
 }

@@ -43,6 +43,14 @@ impl Machine {
     }
 }
 
+/// The machines as claims are judged on them: the paper runs one contact at a time.
+pub(crate) const GROUPS: [(Machine, bool); 4] = [
+    (Machine::Paper, true),
+    (Machine::Paper, false),
+    (Machine::Copying, false),
+    (Machine::Sealed, false),
+];
+
 /// Cost of a byte on the paper's machine (ns): half of it the main process's, half the core's.
 pub(crate) const PAPER_BYTE_NS: f64 = 0.9;
 /// Cost of a byte that moves between memory and virtual memory (ns).

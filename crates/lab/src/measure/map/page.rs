@@ -1,14 +1,16 @@
 //! The page of a map, and its tables.
 
 use super::cells::{Cell, Shares};
+use super::columns::{Form, Table, Value};
 use super::found::Map;
 use super::grid::{BUFFER, CORES};
-use super::machine::{FIGURES, Machine, PAPER_BYTE_NS};
+use super::machine::{FIGURES, GROUPS, Machine, PAPER_BYTE_NS, SCHEMES};
 use super::pictures::as_the_paper_says;
 use super::real::errors;
 use super::table::Beyond;
 use super::verdict::{CLAIMS, TOLERANCE, Verdict, best_depths, pays};
 use scenario::Scheme;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Why each claim holds where it does, and not elsewhere: what the machines do.
@@ -99,9 +101,10 @@ fn opening(map: &Map, say: &mut impl FnMut(&str)) {
          machines: **the paper's**, **this machine made to copy**, and **ours**, one sealed \
          store. A *cell* is one choice of everything else: memory per core, cost of a byte, what \
          happens beyond that memory (virtual memory, or eviction), cores, buffer, bodies, \
-         contact. Random match is the mean over {} seeds; the other schemes, where one request \
-         has all contacts, over eight orders of them (two where jobs are many), because a scheme \
-         without a seed may be lucky with one order.\n\n\
+         contact. Random match is the mean over {} seeds (four where jobs are many: their spread \
+         counts all the same); the other schemes, where one request has all contacts, over eight \
+         orders of them (one where jobs are many), because a scheme without a seed may be lucky \
+         with one order.\n\n\
          A difference counts if it is more than {:.0} % of the larger value and more than three \
          standard errors. A claim **holds** at a cell if some difference it speaks of is there \
          and none is the other way round, **does not hold** if one is, and **nobody can tell** \
@@ -110,7 +113,7 @@ fn opening(map: &Map, say: &mut impl FnMut(&str)) {
         map.grid.seeds,
         100.0 * TOLERANCE
     ));
-    let titles = super::found::GROUPS.map(super::found::group_title).join(" | ");
+    let titles = GROUPS.map(super::found::group_title).join(" | ");
     say(&format!("| | claim | {titles} |\n|---|---|---|---|---|---|"));
     for (claim, words) in CLAIMS {
         let verdict = |(machine, is_single)| {
@@ -123,7 +126,7 @@ fn opening(map: &Map, say: &mut impl FnMut(&str)) {
                 format!("**{}** {}", found.verdict, shares.percent())
             })
         };
-        say(&format!("| {claim} | {words} | {} |", super::found::GROUPS.map(verdict).join(" | ")));
+        say(&format!("| {claim} | {words} | {} |", GROUPS.map(verdict).join(" | ")));
     }
     say("\nShares of cells: holds / does not hold / nobody can tell.");
 }
@@ -182,29 +185,29 @@ type Chosen = Box<dyn Fn(&Cell) -> bool>;
 /// Shares by one axis at a time.
 fn by_axis(map: &Map, say: &mut impl FnMut(&str)) {
     say("## By one axis at a time\n");
-    say("Holds / does not hold / nobody can tell, over all cells of the paper's machine:\n");
+    say(
+        "Holds / does not hold / nobody can tell, over all cells of the paper's machine that have \
+         this value, whatever the other axes:\n",
+    );
     let mut rows: Vec<(String, Chosen)> = Vec::new();
+    for (is_single, words) in [(true, "a contact a request"), (false, "sixteen a request")] {
+        let is_in = move |cell: &Cell| cell.is_single == is_single;
+        rows.push((words.to_owned(), Box::new(is_in)));
+    }
     for cores in map.grid.cores.clone() {
-        let words = format!("{cores} cores, buffer {BUFFER}");
-        let is_in = move |cell: &Cell| {
-            (cell.cores, cell.is_single) == (cores, false)
-                && cell.buffer.is_none_or(|buffer| buffer == BUFFER)
-        };
-        rows.push((words, Box::new(is_in)));
+        rows.push((format!("{cores} cores"), Box::new(move |cell: &Cell| cell.cores == cores)));
     }
     for buffer in map.grid.buffers.clone() {
-        let words = format!("{CORES} cores, buffer {buffer}");
-        let is_in = move |cell: &Cell| {
-            (cell.cores, cell.is_single, cell.buffer) == (CORES, false, Some(buffer))
-        };
-        rows.push((words, Box::new(is_in)));
+        let is_in = move |cell: &Cell| cell.buffer == Some(buffer);
+        rows.push((format!("buffer {buffer}"), Box::new(is_in)));
     }
-    for buffer in map.grid.buffers.clone() {
-        let words = format!("{CORES} cores, buffer {buffer}, a contact a request");
-        let is_in = move |cell: &Cell| {
-            (cell.cores, cell.is_single, cell.buffer) == (CORES, true, Some(buffer))
-        };
-        rows.push((words, Box::new(is_in)));
+    for size in map.grid.sizes.clone() {
+        let is_in = move |cell: &Cell| cell.size == Some(size);
+        rows.push((format!("2 × {size} triangles"), Box::new(is_in)));
+    }
+    for is_deep in [true, false] {
+        let is_in = move |cell: &Cell| cell.is_deep == Some(is_deep);
+        rows.push((contact(is_deep).to_owned(), Box::new(is_in)));
     }
     for byte in map.grid.bytes.clone() {
         rows.push((
@@ -285,25 +288,34 @@ fn machines(map: &Map, say: &mut impl FnMut(&str)) {
             costs.section_ns + costs.ship_section_ns,
         ));
     }
+    let limits = map.grid.cores.iter().zip(&map.grid.size_max);
+    let left_out: Vec<String> = limits
+        .filter(|(_, most)| map.grid.sizes.last() > Some(*most))
+        .map(|(cores, most)| format!("{cores} cores have bodies of up to {most} triangles"))
+        .collect();
     say(&format!(
         "\nAxes: bodies of {:?} triangles each (generated sedan and SUV), sixteen poses 0.5 m \
-         (deep) or 0.01 m (scratch) inside; memory {:?} % of both bodies; a byte {:?} ns; depth \
-         {:?}; buffers {:?} at four cores; {:?} cores at a buffer of {BUFFER}. Sheets of other \
-         cores or buffers have memories {:?} % and bytes at {:?} ns alone. *Request*: all \
-         sixteen contacts are one request, whose cores keep what they got; on the paper's \
-         machine also each contact by itself, with empty memories. *Virtual memory*: what is \
-         needed and not among the most recent M bytes comes in, what arrives when memory is full \
-         pushes out as much. A *hard stop* ends a run where virtual memory begins, so claim (e) \
-         is the same for both. `verdicts.csv` has every cell, `pays.csv` what placing by match \
-         pays, `sheets/` of the output folder every simulated point.",
+         (deep) or 0.01 m (scratch) inside; memory {:?} % of both bodies, and as much as is \
+         needed; a byte {:?} ns; depth {:?}; the four schemes; buffers {:?}; {:?} cores. All of \
+         them are crossed, each value with every other, on the paper's machine and on this one \
+         made to copy; ours has neither memory nor a cost of a byte. Two parts of the product are \
+         left out: {}, so claim (d), which compares sizes, has fewer; and buffers of {:?}, which \
+         only claim (f) needs, have Best Match-Load alone. *Request*: all sixteen contacts are one \
+         request, whose cores keep what they got; on the paper's machine also each contact by \
+         itself, with empty memories. *Virtual memory*: what is needed and not among the most \
+         recent M bytes comes in, what arrives when memory is full pushes out as much. A *hard \
+         stop* ends a run where virtual memory begins, so claim (e) is the same for \
+         both.\n\n`verdicts.csv` has every cell, a sign each, and `verdicts.parquet` the same a \
+         row each; `pays.csv` and `pays.parquet` what placing by match pays. The output folder \
+         has every simulated point, in `points.parquet` and as `sheets/*.csv`.",
         map.grid.sizes,
         map.grid.memories,
         map.grid.bytes,
         map.grid.depths,
         map.grid.all_buffers(),
         map.grid.cores,
-        map.grid.everywhere.0,
-        map.grid.everywhere.1
+        left_out.join(", "),
+        map.grid.more_buffers,
     ));
 }
 
@@ -348,37 +360,37 @@ fn validated(map: &Map, say: &mut impl FnMut(&str)) {
     }
 }
 
-fn optional<T: ToString>(value: Option<T>) -> String {
-    value.map_or(String::new(), |value| value.to_string())
-}
-
-/// Every cell: a line for all costs of a byte, whose verdicts are one sign each.
+/// Every cell: a line for all memories and costs of a byte, whose verdicts are one sign each.
 pub(super) fn verdicts_csv(map: &Map) -> String {
-    let bytes: Vec<String> = map.grid.bytes.iter().map(f64::to_string).collect();
+    let join = |values: Vec<String>| values.join(" ");
     let mut text = format!(
-        "# verdicts: a sign for each cost of a byte ({} ns; ours has none): + holds, - does not \
-         hold, . nobody can \
-         tell\nclaim,machine,requests,triangles,contact,cores,buffer,beyond,memory,verdicts\n",
-        bytes.join(" ")
+        "# verdicts: a group of signs for each memory ({} % of both bodies), in it a sign for each \
+         cost of a byte ({} ns); ours has one sign: + holds, - does not hold, . nobody can tell\n\
+         claim,machine,requests,triangles,contact,cores,buffer,beyond,verdicts\n",
+        join(map.grid.memories.iter().map(u32::to_string).collect()),
+        join(map.grid.bytes.iter().map(f64::to_string).collect()),
     );
-    let mut lines: std::collections::BTreeMap<String, String> = std::collections::BTreeMap::new();
-    let mut cells: Vec<&Cell> = map.cells.iter().collect();
-    cells.sort_by(|a, b| a.byte_ns.unwrap_or(0.0).total_cmp(&b.byte_ns.unwrap_or(0.0)));
-    for cell in cells {
-        let contact = cell.is_deep.map(|deep| if deep { "deep" } else { "scratch" });
+    let mut lines: BTreeMap<String, String> = BTreeMap::new();
+    let mut before = None;
+    for cell in in_order(map) {
+        let optional = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
         let head = format!(
-            "{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{}",
             cell.claim,
             cell.machine.name(),
-            if cell.is_single { "single" } else { "sixteen" },
+            requests(cell.is_single),
             optional(cell.size),
-            optional(contact),
+            cell.is_deep.map_or("", contact),
             cell.cores,
             optional(cell.buffer),
-            optional(cell.beyond.map(Beyond::name)),
-            optional(cell.memory)
+            cell.beyond.map_or("", Beyond::name),
         );
-        lines.entry(head).or_default().push(match cell.verdict {
+        let signs = lines.entry(head).or_default();
+        if !signs.is_empty() && before != cell.memory {
+            signs.push(' ');
+        }
+        before = cell.memory;
+        signs.push(match cell.verdict {
             Verdict::Holds => '+',
             Verdict::Fails => '-',
             Verdict::Open => '.',
@@ -391,15 +403,87 @@ pub(super) fn verdicts_csv(map: &Map) -> String {
     text
 }
 
+/// All cells, those that differ in memory and cost of a byte alone beside each other.
+fn in_order(map: &Map) -> Vec<&Cell> {
+    let mut cells: Vec<&Cell> = map.cells.iter().collect();
+    cells.sort_by(|a, b| {
+        let key = |cell: &Cell| {
+            let Cell { claim, machine, is_single, size, is_deep, cores, buffer, .. } = *cell;
+            (claim, machine, is_single, size, is_deep, cores, buffer, cell.beyond, cell.memory)
+        };
+        let bytes = a.byte_ns.unwrap_or(0.0).total_cmp(&b.byte_ns.unwrap_or(0.0));
+        key(a).cmp(&key(b)).then(bytes)
+    });
+    cells
+}
+
+fn requests(is_single: bool) -> &'static str {
+    if is_single { "single" } else { "sixteen" }
+}
+
+fn contact(is_deep: bool) -> &'static str {
+    if is_deep { "deep" } else { "scratch" }
+}
+
+const TEXT: Form = Form::Text;
+const WHOLE: Form = Form::Whole;
+const REAL: Form = Form::Real;
+
+/// Every cell, a row each.
+pub(super) fn verdicts_table(map: &Map) -> Table<11> {
+    let mut table = Table::new([
+        ("claim", TEXT),
+        ("machine", TEXT),
+        ("requests", TEXT),
+        ("triangles", WHOLE),
+        ("contact", TEXT),
+        ("cores", WHOLE),
+        ("buffer", WHOLE),
+        ("beyond", TEXT),
+        ("memory", WHOLE),
+        ("byte_ns", REAL),
+        ("verdict", TEXT),
+    ]);
+    for cell in in_order(map) {
+        let letter = ["a", "b", "c", "d", "e", "f", "g"]
+            .into_iter()
+            .find(|letter| letter.starts_with(cell.claim));
+        table.push([
+            Value::text(letter),
+            Value::Text(cell.machine.name()),
+            Value::Text(requests(cell.is_single)),
+            Value::whole(cell.size),
+            Value::text(cell.is_deep.map(contact)),
+            Value::Whole(cell.cores.into()),
+            Value::whole(cell.buffer),
+            Value::text(cell.beyond.map(Beyond::name)),
+            Value::whole(cell.memory),
+            cell.byte_ns.map_or(Value::Empty, |ns| Value::Real(ns, 1)),
+            Value::Text(cell.verdict.name()),
+        ]);
+    }
+    table
+}
+
 /// What placing by match pays at every cell of the usual buffer, and the best depths there.
-pub(super) fn pays_csv(map: &Map) -> String {
-    let mut text = String::from(
-        "machine,triangles,contact,cores,beyond,memory,byte_ns,best_match_load_over_random,\
-         standard_error,best_depth,best_depth_of_random,speed_up\n",
-    );
+pub(super) fn pays_table(map: &Map) -> Table<12> {
+    let mut table = Table::new([
+        ("machine", TEXT),
+        ("triangles", WHOLE),
+        ("contact", TEXT),
+        ("cores", WHOLE),
+        ("beyond", TEXT),
+        ("memory", WHOLE),
+        ("byte_ns", REAL),
+        ("best_match_load_over_random", REAL),
+        ("standard_error", REAL),
+        ("best_depth", WHOLE),
+        ("best_depth_of_random", WHOLE),
+        ("speed_up", REAL),
+    ]);
     let usual = map.sheets.iter().filter(|(key, _)| !key.is_single && key.buffer == BUFFER);
     for (key, sheet) in usual {
-        for setting in super::cells::settings(&map.grid, key.machine, key.cores, key.buffer) {
+        for setting in super::cells::settings(&map.grid, key.machine) {
             let curves = sheet.curves(setting.byte, setting.short);
             let best = |scheme| best_depths(curves.line(scheme)).map(|(depth, _)| depth);
             let (Some(gain), Some(depth)) = (pays(&curves), best(Scheme::BestMatchLoad)) else {
@@ -407,23 +491,76 @@ pub(super) fn pays_csv(map: &Map) -> String {
             };
             let point = curves.at_depth(Scheme::BestMatchLoad, depth);
             let speed_up = point.map(|point| point.time_us.under(curves.alone_us).mean);
-            // Writing to a String cannot fail.
-            let _written = writeln!(
-                text,
-                "{},{},{},{},{},{},{},{:.4},{:.4},{depth},{},{:.3}",
-                key.machine.name(),
-                key.subject.size,
-                key.subject.contact(),
-                key.cores,
-                optional(setting.short.map(|(beyond, _)| beyond.name())),
-                optional(setting.short.map(|(_, memory)| map.grid.memories[memory])),
-                optional(key.machine.copies().then(|| map.grid.bytes[setting.byte])),
-                gain.mean,
-                gain.error(),
-                optional(best(Scheme::RandomMatch)),
-                speed_up.unwrap_or(f64::NAN)
-            );
+            let byte_ns = key.machine.copies().then(|| map.grid.bytes[setting.byte]);
+            table.push([
+                Value::Text(key.machine.name()),
+                Value::Whole(key.subject.size.into()),
+                Value::Text(key.subject.contact()),
+                Value::Whole(key.cores.into()),
+                Value::text(setting.short.map(|(beyond, _)| beyond.name())),
+                Value::whole(setting.short.map(|(_, memory)| map.grid.memories[memory])),
+                byte_ns.map_or(Value::Empty, |ns| Value::Real(ns, 1)),
+                Value::Real(gain.mean, 4),
+                Value::Real(gain.error(), 4),
+                Value::Whole(depth.into()),
+                Value::whole(best(Scheme::RandomMatch)),
+                speed_up.map_or(Value::Empty, |speed_up| Value::Real(speed_up, 3)),
+            ]);
         }
     }
-    text
+    table
+}
+
+/// Every simulated point, a row each: what `sheets` has, in one file.
+pub(super) fn points_table(map: &Map) -> Table<20> {
+    let mut table = Table::new([
+        ("machine", TEXT),
+        ("requests", TEXT),
+        ("triangles", WHOLE),
+        ("contact", TEXT),
+        ("cores", WHOLE),
+        ("buffer", WHOLE),
+        ("scheme", TEXT),
+        ("depth", WHOLE),
+        ("byte_ns", REAL),
+        ("beyond", TEXT),
+        ("memory", WHOLE),
+        ("seeds", WHOLE),
+        ("time_us", REAL),
+        ("time_sd", REAL),
+        ("moved", REAL),
+        ("moved_sd", REAL),
+        ("swapped", REAL),
+        ("out", REAL),
+        ("peak", REAL),
+        ("alone_us", REAL),
+    ]);
+    for (key, sheet) in &map.sheets {
+        for (place, point) in &sheet.points {
+            let byte_ns = key.machine.copies().then(|| map.grid.bytes[place.byte]);
+            table.push([
+                Value::Text(key.machine.name()),
+                Value::Text(requests(key.is_single)),
+                Value::Whole(key.subject.size.into()),
+                Value::Text(key.subject.contact()),
+                Value::Whole(key.cores.into()),
+                Value::Whole(key.buffer.into()),
+                Value::Text(SCHEMES[place.scheme].name()),
+                Value::Whole(place.depth.into()),
+                byte_ns.map_or(Value::Empty, |ns| Value::Real(ns, 1)),
+                Value::text(place.short.map(|(beyond, _)| beyond.name())),
+                Value::whole(place.short.map(|(_, memory)| map.grid.memories[memory])),
+                Value::Whole(point.time_us.count.into()),
+                Value::Real(point.time_us.mean, 1),
+                Value::Real(point.time_us.deviation, 1),
+                Value::Real(point.moved.mean, 4),
+                Value::Real(point.moved.deviation, 4),
+                Value::Real(point.swapped, 4),
+                Value::Real(point.out, 3),
+                Value::Real(point.peak, 4),
+                Value::Real(sheet.alone_us, 1),
+            ]);
+        }
+    }
+    table
 }

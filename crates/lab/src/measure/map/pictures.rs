@@ -158,9 +158,6 @@ pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
                     ..usual(Machine::Paper, Subject { size, is_deep })
                 };
                 let Some(sheet) = map.sheets.get(&key) else { continue };
-                if !map.grid.memories_on(CORES, *buffer).contains(&memory) {
-                    continue;
-                }
                 let curves = sheet.curves(byte, Some((Beyond::Swap, memory)));
                 // Depths at which only those run out that the paper names, and only others.
                 for (depth, _) in curves.lines[0].iter().filter(|(depth, _)| *depth > 0) {

@@ -7,7 +7,7 @@ use super::run::matching;
 use super::table::Subject;
 use dispatch::{Cache, Queues};
 use scenario::Scheme;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use simulate::{Costs, Home, Prepared, Setup};
 use trolley::Failure;
 use trolley::dispatch_options::TransferMode;
@@ -33,12 +33,12 @@ const POINTS: [Planned; 12] = [
 ];
 
 /// A prediction and what was measured.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Checked {
     pub(crate) size: u32,
-    pub(crate) contact: &'static str,
+    pub(crate) contact: String,
     pub(crate) workers: u8,
-    pub(crate) scheme: &'static str,
+    pub(crate) scheme: String,
     pub(crate) depth: u32,
     pub(crate) memory_percent: u32,
     pub(crate) predicted_ms: f64,
@@ -103,9 +103,9 @@ pub(crate) fn check(
         let predicted = Prepared::new(&alone.trace).run(&costs, &setup);
         checked.push(Checked {
             size: subject.size,
-            contact: subject.contact(),
+            contact: subject.contact().to_owned(),
             workers,
-            scheme: scheme.name(),
+            scheme: scheme.name().to_owned(),
             depth,
             memory_percent,
             predicted_ms: predicted.time_ns / 1e6,

@@ -82,8 +82,8 @@ fn kept(key: &SheetKey, traces: &Traces, grid: &Grid, folder: &Path) -> Result<S
     let (_, costs) = traces.of_machine(key.machine);
     let jobs: usize = traces.of_machine(key.machine).0.iter().map(|(_, t)| t.jobs().count()).sum();
     let made_from = format!(
-        "trolley.map/1 orders {ORDERS} {FEW_ORDERS} {MANY_JOBS} {} {} swap {} jobs {jobs} \
-        {costs:?}",
+        "trolley.map/1 orders {ORDERS} {FEW_ORDERS} {FEW_SEEDS} {MANY_JOBS} {} {} swap {} jobs \
+        {jobs} {costs:?}",
         key.name(),
         grid.made_from(),
         traces.swap_byte_ns
@@ -119,9 +119,8 @@ pub(crate) fn sheet(key: &SheetKey, traces: &Traces, grid: &Grid) -> Sheet {
             if grid.is_light(key) && scheme != Scheme::BestMatchLoad {
                 continue;
             }
-            let bytes =
-                if key.machine.copies() { grid.bytes_on(key.cores, key.buffer) } else { vec![0] };
-            for byte in bytes {
+            let bytes = if key.machine.copies() { grid.bytes.len() } else { 1 };
+            for byte in 0..bytes {
                 let byte_ns = if key.machine.copies() { grid.bytes[byte] } else { 0.0 };
                 let costs = with_byte(costs, byte_ns);
                 let place = Place { byte, short: None, depth: *depth, scheme: number };
@@ -137,7 +136,9 @@ pub(crate) fn sheet(key: &SheetKey, traces: &Traces, grid: &Grid) -> Sheet {
 /// decides who is free when, and a scheme that looks at that may be lucky with one order.
 const ORDERS: usize = 8;
 /// The same for requests with so many jobs that luck evens out.
-const FEW_ORDERS: usize = 2;
+const FEW_ORDERS: usize = 1;
+/// Seeds of random match for such requests.
+const FEW_SEEDS: usize = 4;
 /// That many.
 const MANY_JOBS: usize = 3_000;
 
@@ -177,6 +178,7 @@ impl Cell<'_> {
         let jobs: usize = self.orders[0].iter().map(Prepared::len).sum();
         let orders = self.orders.len();
         let count = match scheme {
+            Scheme::RandomMatch if jobs > MANY_JOBS => (self.grid.seeds as usize).min(FEW_SEEDS),
             Scheme::RandomMatch => self.grid.seeds as usize,
             _ if jobs > MANY_JOBS => orders.min(FEW_ORDERS),
             _ => orders,
@@ -195,9 +197,8 @@ impl Cell<'_> {
         if !self.key.machine.copies() {
             return;
         }
-        for number in self.grid.memories_on(self.key.cores, self.key.buffer) {
-            let percent = self.grid.memories[number];
-            let memory = self.traces.model_bytes * u64::from(percent) / 100;
+        for (number, percent) in self.grid.memories.iter().enumerate() {
+            let memory = self.traces.model_bytes * u64::from(*percent) / 100;
             if ample.iter().flatten().all(|run| most(run) <= memory) {
                 continue;
             }

@@ -22,6 +22,16 @@ pub(crate) enum Verdict {
     Open,
 }
 
+impl Verdict {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "does not hold",
+            Self::Open => "nobody can tell",
+        }
+    }
+}
+
 /// A claim's letter, and what it says.
 pub(crate) const CLAIMS: [(char, &str); 7] = [
     ('a', "transfer: best match ≤ random match ≤ lowest match at every depth"),

@@ -92,7 +92,7 @@ fn every_fault_is_reported_with_its_line() {
             SOLUTION.replacen(old, new, 1)
         };
         let error = solved(None, &text).expect_err(old);
-        assert_eq!(error.line, *line, "{error}");
+        assert_eq!(error.place.line(), *line, "{error}");
         assert!(error.to_string().contains(fault), "{error}");
         assert_eq!(error.file, "found/by mine.v2.xml");
         assert!(!error.remedy.is_empty());

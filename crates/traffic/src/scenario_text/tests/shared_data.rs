@@ -3,7 +3,7 @@
 use super::{WRITTEN_M, library, motion, off_m, read_back};
 use crate::manoeuvre::began;
 use crate::write::{moved, names};
-use crate::{Manoeuvres, NamedText, ReadOptions, read, scenario_text};
+use crate::{Manoeuvres, ReadOptions, read, scenario_text};
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
@@ -18,11 +18,11 @@ fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
 
 /// Makes a scenario, reads it, and compares everybody with the track at recorded times. Returns
 /// what there is in it; `Err`: why there is none.
-fn checked(path: &Path, catalogs: &[NamedText<'_>], after_s: f64) -> Result<String, String> {
+fn checked(path: &Path, after_s: f64) -> Result<String, String> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let text = std::fs::read_to_string(path).expect("readable");
-    let options = ReadOptions { catalogs, ..ReadOptions::default() };
-    let recording = read(&file, &text, &options).map_err(|error| error.to_string())?;
+    let recording =
+        read(&file, &text, &ReadOptions::default()).map_err(|error| error.to_string())?;
     let manoeuvres = Manoeuvres { after_s, ..Manoeuvres::default() };
     let made = scenario_text(&file, &recording, &manoeuvres, &library());
     let (text, notes) = made.map_err(|error| error.to_string())?;
@@ -53,33 +53,7 @@ fn every_recording_is_a_scenario_over_a_horizon() {
     assert!(recordings.len() >= 7);
     for path in recordings {
         for after_s in [0.0, 0.75] {
-            eprintln!("{}", checked(&path, &[], after_s).unwrap_or_else(|error| panic!("{error}")));
-        }
-    }
-}
-
-/// Both of the stories that can be had are on roads of a network, and are refused for that.
-#[test]
-#[ignore = "needs ../shared/data: recorded traffic"]
-fn every_story_is_a_scenario_or_needs_a_road_network() {
-    let paths = files("scenarios/openscenario/esmini", "xosc");
-    let texts: Vec<(String, String)> = paths
-        .iter()
-        .filter(|path| path.to_string_lossy().ends_with("Catalog.xosc"))
-        .map(|path| {
-            let text = std::fs::read_to_string(path).expect("readable");
-            (path.to_string_lossy().into_owned(), text)
-        })
-        .collect();
-    let catalogs: Vec<NamedText<'_>> =
-        texts.iter().map(|(file, text)| NamedText { file, text }).collect();
-    for path in paths.iter().filter(|path| !path.to_string_lossy().ends_with("Catalog.xosc")) {
-        match checked(path, &catalogs, 0.0) {
-            Ok(made) => eprintln!("{made}"),
-            Err(why) => {
-                assert!(why.contains("needs a road network"), "{why}");
-                eprintln!("{why}");
-            }
+            eprintln!("{}", checked(&path, after_s).unwrap_or_else(|error| panic!("{error}")));
         }
     }
 }

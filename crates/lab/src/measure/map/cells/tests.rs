@@ -8,14 +8,15 @@ use scenario::Scheme;
 fn grid() -> Grid {
     Grid {
         sizes: vec![1_000, 10_000],
+        larger: Vec::new(),
         memories: vec![10, 100],
         bytes: vec![0.0, 1.0, 10.0],
         depths: vec![0, 2, 4, 6],
         cores: vec![4],
+        size_max: vec![u32::MAX],
         buffers: vec![16],
         more_buffers: vec![1, 64],
         seeds: 16,
-        everywhere: (vec![10, 100], vec![0.0, 1.0, 10.0]),
     }
 }
 
