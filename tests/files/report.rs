@@ -212,8 +212,9 @@ const MEASURE: &str = "<script>(() => {
       boxes.forEach((a, k) => boxes.slice(0, k).forEach((b) => {
         // Boxes of letters may share the edge.
         const by = 1;
-        if (a.left < b.right - by && b.left < a.right - by && a.top < b.bottom - by
-          && b.top < a.bottom - by) overlaps.push(`${course.value} ${time.value} ${a.text}/${b.text}`);
+        const across = a.left < b.right - by && b.left < a.right - by;
+        const upwards = a.top < b.bottom - by && b.top < a.bottom - by;
+        if (across && upwards) overlaps.push(`${course.value} ${time.value} ${a.text}/${b.text}`);
       }));
     }
   };

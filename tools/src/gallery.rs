@@ -169,9 +169,10 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let beside = out.with_extension("");
     std::fs::create_dir_all(&beside)?;
     let mut page = String::from(
-        "# Gallery\n\nWritten by `cargo x gallery`. Every crash is simulated. Blue is the ego, sand the other; red are the \
-         triangles that intersect\nanywhere from first contact on, shining through what hides \
-         them; the yellow frame is the contact patch.\nBodies stand where the patch is complete, \
+        "# Gallery\n\nWritten by `cargo x gallery`. Every crash is simulated. Blue is the \
+         ego, sand the other; red are\nthe triangles that intersect anywhere from first contact \
+         on, shining through what hides them; the yellow\nframe is the contact patch, and a ring \
+         marks it. Lines on the ground are a metre apart. Bodies stand where the patch is complete, \
          0.2 m after first contact.\n",
     );
     let demo = folder.join("demo");

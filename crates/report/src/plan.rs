@@ -13,9 +13,9 @@ use trolley::{Answer, CourseRow, PlanScene, Severity};
 mod course;
 mod drawing;
 mod head;
+mod labels;
 mod members;
 mod ranking;
-mod room;
 mod spread;
 
 const STYLE: &str = include_str!("../page/plan.css");
@@ -180,8 +180,8 @@ fn view(
          class=\"swatch-ego\"></span> ego <span class=\"swatch-met\"></span> is met <span \
          class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; \
          dashed: predicted, but not followed; dotted red: the run-out after a heavy contact. \
-         ⊗ contact; dashed outlines: where it comes nearest. Where a struck party goes is not computed: it is shown where it was struck. \
-         Bodies outside of the picture are not shown.</p></section>",
+         ⊗ contact; dashed outlines: where it comes nearest. Where a struck party goes is not \
+         computed: it is shown where it was struck. Bodies outside of the picture are not shown.</p></section>",
     );
 }
 
@@ -206,8 +206,8 @@ fn touching(shots: &[Shot], body: &mut String) {
 fn engineers(page: &PlanPage<'_>, body: &mut String) {
     let PlanPage { answer, work, .. } = page;
     body.push_str(
-        "<section class=\"engineers\"><h2>For engineers</h2><details><summary>Build, times, transfer and hashes\
-         </summary>",
+        "<section class=\"engineers\"><h2>For engineers</h2><details><summary>Build, times, \
+         transfer and hashes</summary>",
     );
     for remark in &work.remarks {
         let _w = write!(body, "<p class=\"remark\">Note: {}.</p>", name(remark));

@@ -106,7 +106,7 @@ fn course(
         );
     }
     if row.contacts.len() > 1 {
-        together(row, body);
+        all_contacts(row, body);
     }
     remarks(row, body);
     body.push_str("</section>");
@@ -126,7 +126,7 @@ fn still(page: &PlanPage<'_>, shot: &Shot) -> Option<String> {
 }
 
 /// Everybody's risk over all contacts.
-fn together(row: &CourseRow, body: &mut String) {
+fn all_contacts(row: &CourseRow, body: &mut String) {
     let (harmed, unharmed): (Vec<_>, Vec<_>) =
         row.persons.iter().partition(|one| one.work.hi() > 0.0 || one.range.high() > 0.0);
     let said = harmed.iter().map(|one| {

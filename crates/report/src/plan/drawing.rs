@@ -1,7 +1,7 @@
 //! The plan view as SVG: paths with a mark each second, contacts with labels that do not cover each
 //! other, bodies, a scale bar.
 
-use super::room::{TakenRoom, UNDER};
+use super::labels::{TakenRoom, UNDER};
 use super::{cut, name, spread};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -338,7 +338,8 @@ fn bodies(
         {
             let _w = write!(
                 out,
-                "<text class=\"name\" transform=\"translate({e:.1} {f:.1})\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                "<text class=\"name\" transform=\"translate({e:.1} {f:.1})\" x=\"{:.1}\" \
+                 y=\"{:.1}\">{}</text>",
                 left - e,
                 base - f,
                 name(&text)

@@ -3,7 +3,7 @@
 //! labels do not cover each other.
 
 use super::drawing::{PlanWindow, pose_at};
-use super::room::{TakenRoom, overlap};
+use super::labels::{TakenRoom, overlap};
 use super::*;
 use crate::pictures;
 use geometry::rng::Rng;
