@@ -181,7 +181,8 @@ fn view(
          class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; \
          dashed: predicted, but not followed; dotted red: the run-out after a heavy contact. \
          ⊗ contact; dashed outlines: where it comes nearest. Where a struck party goes is not \
-         computed: it is shown where it was struck. Bodies outside of the picture are not shown.</p></section>",
+         computed: it is shown where it was struck. Bodies outside of the picture are not \
+         shown.</p></section>",
     );
 }
 

@@ -27,6 +27,9 @@ state = { position_m = [0, 0, 0], speed_m_s = 3 }
 state = { position_m = [20, 9, 0], yaw_deg = 90, speed_m_s = 1 }
 "#;
 
+/// What is done to a document.
+type ChangeOfJson = fn(&mut Value);
+
 /// The document of the scene, with so many members.
 fn made(members: u32, change: impl Fn(&mut Answer)) -> Value {
     let text = SCENE.replace(
@@ -79,7 +82,7 @@ fn a_document_is_as_its_schema_says() {
 fn what_is_not_a_document_is_refused() {
     let validator = validator();
     let sound = made(4, |_| {});
-    let changes: [(&str, fn(&mut Value)); 5] = [
+    let changes: [(&str, ChangeOfJson); 5] = [
         ("another form", |it| it["schema"] = "trolley.page/2".into()),
         ("no answer", |it| {
             it.as_object_mut().expect("an object").remove("answer");

@@ -262,6 +262,9 @@ fn a_track_is_linear_between_samples_and_still_after_the_last() {
     }
 }
 
+/// What is done to an answer.
+type ChangeOfAnswer = fn(&mut Answer);
+
 /// The words as a reader sees them, wherever they stand.
 fn says_least_harm(page: &str) -> bool {
     page.to_lowercase().contains("least harm")
@@ -280,18 +283,18 @@ fn least_harm_is_said_only_where_that_is_so() {
     assert!(says_least_harm(&made(&answer, &run, &scene)));
     assert!(verdict(&answer).1);
     // Each of these alone takes the words away.
-    let changes: [(&str, &dyn Fn(&mut Answer)); 6] = [
-        ("tied", &|answer| answer.tie_class.push("another".to_owned())),
-        ("degraded", &|answer| answer.state = AnswerState::Degraded),
-        ("refused", &|answer| answer.state = AnswerState::Refused),
-        ("too close", &|answer| {
+    let changes: [(&str, ChangeOfAnswer); 6] = [
+        ("tied", |answer| answer.tie_class.push("another".to_owned())),
+        ("degraded", |answer| answer.state = AnswerState::Degraded),
+        ("refused", |answer| answer.state = AnswerState::Refused),
+        ("too close", |answer| {
             let lead = answer.members.as_mut().and_then(|members| members.lead.as_mut());
             lead.expect("a lead").error = 9.0;
         }),
-        ("worlds", &|answer| {
+        ("worlds", |answer| {
             answer.ranking[0].expected.as_mut().expect("of members").worlds = Some(0.6);
         }),
-        ("nothing", &|answer| answer.ranking.clear()),
+        ("nothing", |answer| answer.ranking.clear()),
     ];
     for (what, change) in changes {
         let mut changed = answer.clone();
