@@ -6,6 +6,7 @@
 
 use crate::support::service::shipped;
 use crate::support::{Place, instance, left_in_shm, skipped, text, trolley};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -57,9 +58,15 @@ fn a_record_becomes_a_page_meshes_and_stills() {
     let record = recorded(&place, &scenario, &[]);
     let (out, glb, png) =
         (path(place.path(), "a.html"), path(place.path(), "glb"), path(place.path(), "png"));
-    done(&["report", &record, "--out", &out, "--glb", &glb, "--png", &png]);
+    let json = path(place.path(), "a.json");
+    done(&["report", &record, "--out", &out, "--glb", &glb, "--png", &png, "--report-json", &json]);
     let page = std::fs::read_to_string(&out).unwrap();
-    assert!(page.contains("<h1><bdi>Least harm: "), "no title");
+    let document: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    assert_eq!(document["schema"], "trolley.page/1");
+    let title = document["title"].as_str().unwrap();
+    let markup = title.replace('<', "&lt;").replace('>', "&gt;");
+    assert!(page.contains(&format!("<h1><bdi>{markup}</bdi></h1>")), "no title: {title}");
+    assert_eq!(document["is_least_harm"], title.starts_with("Least harm: "), "{title}");
     assert!(page.contains("wall &lt;b&gt;") && !page.contains("wall <b>"));
     // Workers did the jobs, and the record says which worker, and when.
     assert!(page.contains("aria-label=\"Jobs on each worker over time\""));
@@ -183,10 +190,88 @@ fn the_page_works_in_a_browser_without_a_network() {
     done(&["rank", scenario.to_str().unwrap(), "--in-process", "--report", &out]);
     let (console, document) = opened(browser, &place, &out);
     assert_eq!(console, "", "the plan complained");
+    // It opens on the winner, which touches nobody: where it is nearest.
+    assert!(document.contains("data-view=\"shot 0, 4 objects, 0 hits\""), "not the winner");
     // What only the script does.
     assert!(
         document.contains("aria-valuetext=\"0.00 s\"") && document.contains("class=\"controls\">")
     );
+}
+
+/// Tries every candidate at every tenth of a second, and counts pairs of texts that overlap, in the
+/// plan and in 3D.
+const MEASURE: &str = "<script>(() => {
+  const [course, time] = ['course', 'time'].map((id) => document.getElementById(id));
+  let [seen, overlaps] = [0, []];
+  const look = () => {
+    for (const texts of ['#plan text', '#over span']) {
+      const boxes = [...document.querySelectorAll(texts)].map((text) => {
+        const { left, top, right, bottom } = text.getBoundingClientRect();
+        return { left, top, right, bottom, text: text.textContent };
+      }).filter((box) => box.right > box.left);
+      seen += boxes.length;
+      boxes.forEach((a, k) => boxes.slice(0, k).forEach((b) => {
+        // Boxes of letters may share the edge.
+        const by = 1;
+        const across = a.left < b.right - by && b.left < a.right - by;
+        const upwards = a.top < b.bottom - by && b.top < a.bottom - by;
+        if (across && upwards) overlaps.push(`${course.value} ${time.value} ${a.text}/${b.text}`);
+      }));
+    }
+  };
+  for (const option of course.options) {
+    course.value = option.value;
+    course.dispatchEvent(new Event('input'));
+    for (let at = 0; at <= Number(time.max); at += 0.1) {
+      time.value = at;
+      time.dispatchEvent(new Event('input'));
+      look();
+    }
+  }
+  document.body.dataset.seen = seen > 200;
+  document.body.dataset.overlaps = `${overlaps.length}: ${overlaps.slice(0, 5).join('; ')}`;
+})();</script>";
+
+#[test]
+fn no_label_covers_another_at_any_time() {
+    let Some(browser) = browser() else { return };
+    let place = Place::new();
+    let scenario = shipped("config/scenarios/crossing.toml");
+    let out = path(place.path(), "labels.html");
+    let args = ["rank", scenario.to_str().unwrap(), "--in-process", "--members", "4"];
+    done(&[&args[..], &["--members-max", "4", "--report", &out]].concat());
+    let page = std::fs::read_to_string(&out).unwrap();
+    std::fs::write(&out, page.replace("</body>", &format!("{MEASURE}</body>"))).unwrap();
+    let (console, document) = opened(browser, &place, &out);
+    assert_eq!(console, "", "the page complained");
+    let said = document.split("data-overlaps=\"").nth(1).and_then(|rest| rest.split('"').next());
+    assert_eq!(said, Some("0: "), "labels overlap");
+    assert!(document.contains("data-seen=\"true\""), "texts were compared");
+}
+
+#[test]
+fn on_paper_every_candidate_begins_a_page() {
+    let Some(browser) = browser() else { return };
+    let place = Place::new();
+    let scenario = shipped("config/scenarios/small.toml");
+    let (out, pdf) = (path(place.path(), "paper.html"), path(place.path(), "paper.pdf"));
+    done(&["rank", scenario.to_str().unwrap(), "--in-process", "--report", &out]);
+    let page = std::fs::read_to_string(&out).unwrap();
+    let sections = page.matches("<section class=\"course\">").count();
+    let status = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .arg(format!("--user-data-dir={}", path(place.path(), "profile")))
+        .args(["--no-pdf-header-footer", &format!("--print-to-pdf={pdf}")])
+        .arg(format!("file://{out}"))
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let bytes = std::fs::read(&pdf).unwrap();
+    let plain = String::from_utf8_lossy(&bytes);
+    let pages = plain.matches("/Type /Page\n").count();
+    assert!(sections >= 2 && pages > sections, "{pages} pages for {sections} candidates");
 }
 
 mod shared_data {

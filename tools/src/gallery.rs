@@ -27,14 +27,73 @@ pub(crate) struct Options {
     program: Option<PathBuf>,
 }
 
-/// Real bodies: name, mesh, how to read it.
-const BODIES: &[(&str, &str, &str)] = &[
-    ("sedan", "chrono_sedan/sedan_chassis_vis.obj", "--unit m --kind sedan"),
-    ("suv", "chrono_nissan_patrol_suv/suv_chassis.obj", "--unit m --kind suv"),
-    ("truck", "chrono_man10t_truck/MAN_10t_chassis.obj", "--unit m --kind truck"),
-    ("pickup", "gazebo_pickup/pickup.dae", "--forward y --kind suv"),
-    ("lamp-post", "gazebo_lamp_post/lamp_post.dae", "--unit 0.0762 --kind pole"),
-    (
+/// A real body: its mesh, and how to read it.
+struct RealBody {
+    name: &'static str,
+    mesh: &'static str,
+    how: &'static str,
+    wheels: Option<Wheels>,
+}
+
+/// Wheels that are files of their own.
+struct Wheels {
+    /// Tyre and rim, around the axle, which is the y axis.
+    meshes: [&'static str; 2],
+    /// Where the axles are in the chassis' frame, and how high (m).
+    axles_m: &'static [f64],
+    height_m: f64,
+    /// From the middle of the vehicle to that of a wheel (m).
+    beside_m: f64,
+}
+
+impl RealBody {
+    const fn plain(name: &'static str, mesh: &'static str, how: &'static str) -> Self {
+        Self { name, mesh, how, wheels: None }
+    }
+}
+
+/// Axles are those of the vehicles' descriptions where these have them (sedan, truck), else where
+/// the arches have room for the tyre, as are heights.
+const BODIES: &[RealBody] = &[
+    RealBody {
+        name: "sedan",
+        mesh: "chrono_sedan/sedan_chassis_vis.obj",
+        how: "--unit m --kind sedan",
+        wheels: Some(Wheels {
+            meshes: ["chrono_sedan/sedan_tire.obj", "chrono_sedan/sedan_rim.obj"],
+            axles_m: &[1.388, -1.388],
+            height_m: 0.09,
+            beside_m: 0.79,
+        }),
+    },
+    RealBody {
+        name: "suv",
+        mesh: "chrono_nissan_patrol_suv/suv_chassis.obj",
+        how: "--unit m --kind suv",
+        wheels: Some(Wheels {
+            meshes: [
+                "chrono_nissan_patrol_suv/suv_tire.obj",
+                "chrono_nissan_patrol_suv/suv_rim.obj",
+            ],
+            axles_m: &[0.0, -3.27],
+            height_m: 0.0,
+            beside_m: 0.86,
+        }),
+    },
+    RealBody {
+        name: "truck",
+        mesh: "chrono_man10t_truck/MAN_10t_chassis.obj",
+        how: "--unit m --kind truck",
+        wheels: Some(Wheels {
+            meshes: ["chrono_man10t_truck/MAN_tire.obj", "chrono_man10t_truck/MAN_rim.obj"],
+            axles_m: &[0.0, -1.93, -5.6, -7.0],
+            height_m: -0.12,
+            beside_m: 1.05,
+        }),
+    },
+    RealBody::plain("pickup", "gazebo_pickup/pickup.dae", "--forward y --kind suv"),
+    RealBody::plain("lamp-post", "gazebo_lamp_post/lamp_post.dae", "--unit 0.0762 --kind pole"),
+    RealBody::plain(
         "person",
         "openmaterial_human/human_example.gltf",
         "--unit m --up y --forward x --kind pedestrian",
@@ -110,10 +169,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let beside = out.with_extension("");
     std::fs::create_dir_all(&beside)?;
     let mut page = String::from(
-        "# Gallery\n\nWritten by `cargo x gallery`. Blue is the ego, sand the other; red are the \
-         triangles that intersect\nanywhere from first contact on, shining through what hides \
-         them; the yellow frame is the contact patch.\nBodies stand where the patch is complete, \
-         0.2 m after first contact.\n",
+        "# Gallery\n\nWritten by `cargo x gallery`. Every crash is simulated. Blue is the \
+         ego, sand the other; red are\nthe triangles that intersect anywhere from first contact \
+         on, shining through what hides them; the yellow\nframe is the contact patch, and a ring \
+         marks it. Lines on the ground are a metre apart. Bodies stand where the patch is \
+         complete, 0.2 m after first contact.\n",
     );
     let demo = folder.join("demo");
     let mut command = Command::new(&program);
@@ -125,8 +185,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     if models.is_dir() {
         let scenes = real(&program, &models, &folder)?;
         page += "\n## Real bodies\n\nMeshes of Project Chrono (BSD-3-Clause), Open Robotics (CC BY \
-                 3.0) and ASAM OpenMATERIAL (MPL-2.0);\nwheels are files of their own there and \
-                 not shown.\n";
+                 3.0) and ASAM OpenMATERIAL (MPL-2.0);\nwheels that are files of their own there \
+                 are mounted at their axles. Crashes are simulated.\n";
         for (number, scene) in scenes.iter().enumerate() {
             let records = scene.with_extension("records");
             let mut command = Command::new(&program);
@@ -143,9 +203,15 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 
 /// Imports the bodies and writes a scenario for each crash.
 fn real(program: &Path, models: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
-    for (name, mesh, how) in BODIES {
+    for RealBody { name, mesh, how, wheels } in BODIES {
+        let mut path = models.join(mesh);
+        if let Some(wheels) = wheels {
+            let whole = mounted(&path, models, wheels)?;
+            path = folder.join(format!("{name}.obj"));
+            write(&path, &whole)?;
+        }
         let mut command = Command::new(program);
-        command.args(["model", "import", "--quiet"]).arg(models.join(mesh));
+        command.args(["model", "import", "--quiet"]).arg(path);
         command.args(how.split(' ')).arg("-o").arg(folder.join(format!("{name}.trolley")));
         built::output(&mut command)?;
     }
@@ -175,6 +241,72 @@ fn real(program: &Path, models: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
         Ok(path)
     };
     CRASHES.iter().enumerate().map(scene).collect()
+}
+
+/// The chassis with its wheels, as one OBJ of vertices and faces.
+fn mounted(chassis: &Path, models: &Path, wheels: &Wheels) -> Result<String> {
+    let mut whole = String::new();
+    let mut vertices = 0;
+    add(&read(chassis)?, "chassis", &mut vertices, &mut whole, |at| at)?;
+    let meshes = wheels.meshes.map(|mesh| read(&models.join(mesh)));
+    for (axle, x) in wheels.axles_m.iter().enumerate() {
+        // On the right a wheel is turned about the vertical, so that its outer face is outside.
+        for (side, turn) in [("left", 1.0), ("right", -1.0)] {
+            let place = |[u, v, w]: [f64; 3]| {
+                [x + turn * u, turn * (wheels.beside_m + v), wheels.height_m + w]
+            };
+            for (part, mesh) in ["tyre", "rim"].into_iter().zip(&meshes) {
+                let mesh = mesh.as_ref().map_err(|error| anyhow::anyhow!("{error}"))?;
+                let name = format!("{part}-{side}-{}", axle + 1);
+                add(mesh, &name, &mut vertices, &mut whole, place)?;
+            }
+        }
+    }
+    Ok(whole)
+}
+
+fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| path.display().to_string())
+}
+
+/// Adds the vertices and faces of an OBJ under a name, each vertex where `place` puts it.
+/// `vertices` counts those that are there.
+fn add(
+    mesh: &str,
+    name: &str,
+    vertices: &mut usize,
+    whole: &mut String,
+    place: impl Fn([f64; 3]) -> [f64; 3],
+) -> Result<()> {
+    let before = *vertices;
+    let _w = writeln!(whole, "g {name}");
+    for line in mesh.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let numbers: Vec<f64> =
+                    words.take(3).map(str::parse).collect::<Result<_, _>>().context("a vertex")?;
+                let at = <[f64; 3]>::try_from(numbers).ok().context("a vertex of three")?;
+                let [x, y, z] = place(at);
+                let _w = writeln!(whole, "v {x} {y} {z}");
+                *vertices += 1;
+            }
+            Some("f") => {
+                whole.push('f');
+                for word in words {
+                    let number = word.split('/').next().unwrap_or_default();
+                    let number: i64 = number.parse().context("a face")?;
+                    let own = (*vertices - before) as i64;
+                    // Below zero it counts from the last vertex.
+                    let number = if number < 0 { own + 1 + number } else { number };
+                    let _w = write!(whole, " {}", before as i64 + number);
+                }
+                whole.push('\n');
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Draws every candidate of a record, least harm first, and adds them to the page.

@@ -126,8 +126,12 @@ pub(crate) enum Command {
     /// Turn a decision record or a measurement into an HTML page, .glb files or PNG stills.
     #[command(after_help = crate::report::EXAMPLES)]
     Report(crate::report::ReportArgs),
-    /// Print the JSON Schema of scenarios.
-    Schema,
+    /// Print the JSON Schema of scenarios, or of what `--report-json` writes.
+    Schema {
+        /// Print that of the document that `rank --report-json` and `report --report-json` write.
+        #[arg(long)]
+        report: bool,
+    },
     /// Print shell completions.
     Completions {
         /// Shell to print completions for.

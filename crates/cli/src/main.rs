@@ -85,7 +85,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Query(options) => query::run(options, &args.output()),
         Command::Top(options) => top::run(options, &args.output()),
         Command::Doctor => doctor::run(&args.output()),
-        Command::Schema => print::out(&scenario::schema()),
+        Command::Schema { report: true } => print::out(::report::document::schema().trim_end()),
+        Command::Schema { report: false } => print::out(&scenario::schema()),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(*shell, &mut Args::command(), "trolley", &mut text);

@@ -36,6 +36,10 @@ pub(crate) struct RankArgs {
     /// file that needs no network.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Write what the page shows as one JSON document, for notebooks and dashboards: `trolley
+    /// schema --report` describes it.
+    #[arg(long, value_name = "FILE.json")]
+    report_json: Option<PathBuf>,
     #[command(flatten)]
     options: EngineArgs,
 }
@@ -58,18 +62,18 @@ pub(crate) fn demo(
     options: &EngineArgs,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let code = answer(Scenario::demo()?, asked, options, None, output)?;
+    let code = answer(Scenario::demo()?, asked, options, Drawn::default(), output)?;
     output.say("Next: trolley init crash.toml && trolley rank crash.toml");
     output.say("Next: trolley help tutorial");
     Ok(code)
 }
 
 pub(crate) fn rank(args: &RankArgs, output: &Output) -> Result<ExitCode, Failure> {
-    let RankArgs { scenario: path, references, traffic, answer: asked, report, options } = args;
-    let drawn = report.as_deref();
-    // Fail before the work, not after it, if the page cannot be written.
-    if let Some(page) = drawn {
-        trolley::files::check(page, Some(path))?;
+    let RankArgs { scenario: path, references, traffic, answer: asked, options, .. } = args;
+    let drawn = Drawn { page: args.report.as_deref(), json: args.report_json.as_deref() };
+    // Fail before the work, not after it, if a file cannot be written.
+    for file in drawn.files() {
+        trolley::files::check(file, Some(path))?;
     }
     let references = references.references();
     if path == Path::new(STDIN) {
@@ -95,7 +99,7 @@ fn answer(
     scenario: Scenario,
     asked: &AnswerArgs,
     options: &EngineArgs,
-    drawn: Option<&Path>,
+    drawn: Drawn<'_>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let scenario = match asked.assume {
@@ -111,9 +115,10 @@ fn answer(
     let mut engine = engine(options)?;
     let progress = output.progress("building bodies: triangles");
     let told = |done, total| progress.set(done, total);
-    let mut scene = drawn.map(|_| PlanScene::default());
+    let is_drawn = drawn.files().next().is_some();
+    let mut scene = is_drawn.then(PlanScene::default);
     let limits = asked.limits()?;
-    let limits = if drawn.is_some() { limits.with_explanation() } else { limits };
+    let limits = if is_drawn { limits.with_explanation() } else { limits };
     let mut ranking = engine.rank_drawn(&scenario, &limits, &told, scene.as_mut())?;
     drop(progress);
     if asked.strict {
@@ -125,9 +130,7 @@ fn answer(
     }
     let recorded = records.as_ref().map(|records| records.write(&ranking));
     let name = &scenario.parsed().name;
-    let page = drawn
-        .zip(scene.as_ref())
-        .map(|(file, scene)| draw(file, name, &ranking, scene, &engine).map(|()| file));
+    let page = scene.as_ref().map(|scene| draw(drawn, name, &ranking, scene, &engine));
     show(name, &ranking, asked.explain, output)?;
     drop(engine);
     // If recording fails, the answer is shown before the failure.
@@ -135,15 +138,29 @@ fn answer(
         output.say(&format!("recorded as {}", path.display()));
     }
     // If the page cannot be written, the answer is shown before the failure.
-    if let Some(file) = page.transpose()? {
+    page.transpose()?;
+    for file in drawn.files() {
         output.say(&format!("written: {}", file.display()));
     }
     Ok(code(&ranking.answer))
 }
 
-/// Writes the page of a ranking.
+/// Where the page of a ranking is written, and what it shows as JSON.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drawn<'a> {
+    page: Option<&'a Path>,
+    json: Option<&'a Path>,
+}
+
+impl<'a> Drawn<'a> {
+    fn files(self) -> impl Iterator<Item = &'a Path> {
+        self.page.into_iter().chain(self.json)
+    }
+}
+
+/// Writes the page of a ranking, and its document.
 fn draw(
-    file: &Path,
+    drawn: Drawn<'_>,
     name: &str,
     ranking: &Ranking,
     scene: &PlanScene,
@@ -158,10 +175,16 @@ fn draw(
         work: &WorkDone::of_run(&ranking.run),
         scene,
         bodies: &bodies,
-        shots: &pictures::shots(scene, &ranking.answer),
+        shots: &pictures::all_shots(scene, &ranking.answer),
         explanation: explanation.as_deref(),
     };
-    trolley::files::replace(file, report::plan::page(&page).as_bytes())
+    if let Some(file) = drawn.page {
+        trolley::files::replace(file, report::plan::page(&page).as_bytes())?;
+    }
+    if let Some(file) = drawn.json {
+        trolley::files::replace(file, report::document::document(&page)?.as_bytes())?;
+    }
+    Ok(())
 }
 
 /// Prints the answer, as a document or as a table.

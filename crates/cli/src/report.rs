@@ -24,6 +24,9 @@ pub(crate) struct ReportArgs {
     /// HTML page to write.
     #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
+    /// Write what the page shows as one JSON document: see `trolley schema --report`.
+    #[arg(long, value_name = "FILE.json")]
+    report_json: Option<PathBuf>,
     /// Folder with the record's model files, which are found by their hash.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
@@ -45,6 +48,7 @@ pub(crate) struct ReportArgs {
 pub(crate) fn run(args: &ReportArgs, output: &Output) -> Result<ExitCode, Failure> {
     let wanted = Wanted {
         page: args.out.clone(),
+        json: args.report_json.clone(),
         glb: args.glb.clone(),
         stills: args.png.clone(),
         #[cfg(feature = "mcap")]

@@ -8,11 +8,12 @@ use crate::request::{Candidate, Request};
 use body::{BodyKind, BodyView, Meta};
 use damage::{CandidateHarm, CollisionParty, Interval, Range};
 use geometry::DVec3;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// One person in one collision.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PersonRow {
     /// The party that the person belongs to.
     pub party: String,
@@ -33,7 +34,7 @@ pub struct PersonRow {
 }
 
 /// The hit sets at one pose.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PoseRow {
     /// Travel from the given pose along the relative path (m).
     pub travel_m: f64,

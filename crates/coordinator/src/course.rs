@@ -60,7 +60,8 @@ pub use explain::{CombinedRisk, ContactStep, CourseChain, Explanation};
 pub use flags::{Alternative, AtHorizon, NearestRow};
 pub use history::{CourseHistory, replay_courses};
 pub use plan_scene::{
-    ContactScene, PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene,
+    ContactScene, PlanContact, PlanCourse, PlanMember, PlanMemberCourse, PlanNearest, PlanParty,
+    PlanPath, PlanPoint, PlanSample, PlanScene,
 };
 pub use rounds::EncounterEffort;
 #[cfg(test)]
@@ -320,7 +321,7 @@ fn follow(
         || Explanation::new(request.scenario, &people, &request.criteria, (known, drawn), &ranking);
     let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
     effort.judge_ns = clock::now_ns() - begun_ns;
-    let scene = request.scene.then(|| plan_scene::scene(&scenery, courses));
+    let scene = request.scene.then(|| plan_scene::scene(&scenery, courses, drawn, &answer.ranking));
     Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
 }
 

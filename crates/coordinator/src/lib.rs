@@ -48,8 +48,9 @@ pub use course::{
     Alternative, Answer, AtHorizon, CombinedRisk, ContactRow, ContactScene, ContactStep,
     CourseChain, CourseEffort, CourseHistory, CoursePersonRow, CourseRequest, CourseRow,
     EncounterEffort, ExpectedRow, Explanation, FlipRow, MemberRow, MembersRow, MetRow, NearestRow,
-    PlanContact, PlanCourse, PlanParty, PlanPath, PlanSample, PlanScene, RankedCourses, RunOutRow,
-    WorldsRow, rank_courses, replay_courses,
+    PlanContact, PlanCourse, PlanMember, PlanMemberCourse, PlanNearest, PlanParty, PlanPath,
+    PlanPoint, PlanSample, PlanScene, RankedCourses, RunOutRow, WorldsRow, rank_courses,
+    replay_courses,
 };
 #[cfg(any(test, feature = "faults"))]
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};

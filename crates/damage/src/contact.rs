@@ -11,10 +11,11 @@ use crate::evidence::Evidence;
 use crate::interval::Interval;
 use crate::path::survey;
 use crate::plane::{Plane, PlaneOrigin, Ride};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The contact of one candidate, as far as it is known. Lengths in metres.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ContactPatch {
     /// What makes the plane.
     pub origin: PlaneOrigin,

@@ -16,6 +16,7 @@ use crate::party::PersonId;
 use crate::rank::Assessed;
 use crate::rule::Others;
 use geometry::DVec3;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// From this change of the ego's velocity on contact is heavy (m/s): about what triggers the event
@@ -34,7 +35,7 @@ pub const PASSED_M: f64 = 0.9;
 pub const SAME_CRASH_S: f64 = 0.15;
 
 /// How a contact changes the ego's motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
     /// Little: it drives on.

@@ -13,10 +13,11 @@ use crate::interval::{Interval, Range};
 use crate::policy::Policy;
 use crate::rank::{Place, RankError, RankedCandidates, Scratch, rank_in};
 use crate::rule::{Others, Stake};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How the leading measure of a candidate is spread over members.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Spread {
     /// Sampling error of its mean.
     pub error: f64,
@@ -30,7 +31,7 @@ pub struct Spread {
 }
 
 /// By how much the best two differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Lead {
     /// The mean of the second's leading measure less the first's.
     pub mean: f64,

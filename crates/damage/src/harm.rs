@@ -12,6 +12,7 @@ use crate::injury::{Quantity, Victim};
 use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use body::Seat;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -56,7 +57,7 @@ impl PersonHarm {
 }
 
 /// Change of velocity of one party (m/s).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct DeltaV {
     /// With nominal parameters.
     pub work: Interval,
@@ -65,7 +66,7 @@ pub struct DeltaV {
 }
 
 /// Why a candidate cannot be evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unevaluable {
     /// The bodies overlap before the path begins, or at standstill.

@@ -7,19 +7,24 @@
 //!
 //! Both are closed, ordered and free of NaN and of −0.0. Neither knows its unit: the field does.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The work interval `[lo, hi]`: holds the value that the finished run will have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(into = "[f64; 2]")]
+// JSON has no infinity: an end without bound is null.
+#[schemars(with = "[Option<f64>; 2]")]
 pub struct Interval {
     lo: f64,
     hi: f64,
 }
 
 /// The model range `[low, high]`: an expert range around a work interval.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(into = "[f64; 2]")]
+// JSON has no infinity: an end without bound is null.
+#[schemars(with = "[Option<f64>; 2]")]
 pub struct Range {
     low: f64,
     high: f64,

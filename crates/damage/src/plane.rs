@@ -22,6 +22,7 @@ use face::faces;
 use footprint::Axes;
 use geometry::DVec3;
 use overlap::{Facing, Overlap};
+use schemars::JsonSchema;
 use serde::Serialize;
 use smallvec::SmallVec;
 
@@ -54,7 +55,7 @@ const INSIDE_M3: f64 = 0.005;
 const INSIDE_CHORD: f64 = 0.1;
 
 /// What makes the plane of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlaneOrigin {
     /// The outlines cross: the swept chord.
@@ -70,7 +71,7 @@ pub enum PlaneOrigin {
 }
 
 /// How a party is met in height.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ride {
     /// At its own height.

@@ -16,6 +16,7 @@ use crate::interval::{Interval, Range};
 use crate::party::PersonId;
 use crate::policy::{Otherwise, Policy, Step, TieBreak};
 use crate::rule::{Measure, Rule, Stake};
+use schemars::JsonSchema;
 use serde::Serialize;
 use smallvec::SmallVec;
 
@@ -56,7 +57,7 @@ fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
 }
 
 /// How complete an answer is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnswerState {
     /// All work is done.

@@ -14,10 +14,11 @@ use crate::curve::Level;
 use crate::injury::{Curves, Rung};
 use crate::parameters::{Parameters, Setting};
 use crate::party::{CollisionParty, PersonId};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What a world draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Doubt {
     /// Restitution.

@@ -269,13 +269,16 @@ fn figures(pair: &Swept) -> [(&'static str, Figure); 3] {
     [
         (
             "speed-up",
-            figure("Four virtual cores that copy sections", "speed-up (simulated)", copying.into()),
+            figure("Simulated: four virtual cores that copy sections", "speed-up", copying.into()),
         ),
-        ("zero-copy", figure("Four virtual cores on one sealed store", "speed-up", shared)),
+        (
+            "zero-copy",
+            figure("Simulated: four virtual cores on one sealed store", "speed-up", shared),
+        ),
         (
             "transfer",
             figure(
-                "Section transfer on four virtual cores",
+                "Simulated: section transfer on four virtual cores",
                 "bytes moved / bytes of both bodies",
                 moved.into(),
             ),

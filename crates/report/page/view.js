@@ -5,6 +5,7 @@
   const place = document.getElementById('view');
   const tabs = document.getElementById('tabs');
   const caption = document.getElementById('caption');
+  const choice = document.getElementById('course');
   if (!place || data.shots.length === 0) return;
 
   const COLOURS = [[126, 152, 190], [190, 178, 150], [214, 40, 40]].map(
@@ -97,8 +98,110 @@
     return [pane, edge];
   }
 
+  function lines(points, colour) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(points), 3));
+    return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: colour }));
+  }
+
+  // A line each metre on the ground, which is where the lower body ends.
+  function ground(box) {
+    const points = [];
+    const reach = Math.min(60, Math.max(6, 1.2 * box.getSize(new THREE.Vector3()).length()));
+    const middle = box.getCenter(new THREE.Vector3());
+    const [x, y] = [Math.round(middle.x), Math.round(middle.y)];
+    const far = Math.ceil(reach);
+    for (let k = -far; k <= far; k++) {
+      // A round carpet: each line as long as the circle is wide there.
+      const half = Math.sqrt(Math.max(0, far * far - k * k));
+      points.push(x - half, y + k, box.min.z, x + half, y + k, box.min.z);
+      points.push(x + k, y - half, box.min.z, x + k, y + half, box.min.z);
+    }
+    return lines(points, 0xd8dad6);
+  }
+
+  // A bar of some metres on the ground beside the bodies.
+  function bar(box) {
+    const most = Math.max(0.2, 0.5 * (box.max.x - box.min.x));
+    const size = [10, 5, 2, 1, 0.5, 0.2].find((one) => one <= most) || 0.2;
+    const middle = 0.5 * (box.min.x + box.max.x);
+    const [a, b, y, z] = [middle - size / 2, middle + size / 2, box.max.y + 0.4, box.min.z + 0.01];
+    const tick = 0.08;
+    marks.push({ at: new THREE.Vector3(middle, y, z), text: `${size} m`, by: 8, kind: 'scale' });
+    return lines([a, y, z, b, y, z, a, y - tick, z, a, y + tick, z, b, y - tick, z, b, y + tick, z],
+      0x1d2126);
+  }
+
+  // Texts and the ring lie over the drawing, as large at every scale.
+  const over = document.createElement('div');
+  over.id = 'over';
+  place.appendChild(over);
+  let marks = [];
+  let ring = null;
+  function pixel(at) {
+    const p = at.clone().project(camera);
+    if (p.z > 1) return null;
+    return [(p.x + 1) / 2 * place.clientWidth, (1 - p.y) / 2 * place.clientHeight];
+  }
+
+  function annotate() {
+    const taken = [];
+    if (ring) {
+      const middle = pixel(ring.centre);
+      ring.element.style.display = middle ? '' : 'none';
+      if (middle) {
+        const corners = ring.corners.map(pixel).filter(Boolean);
+        const far = Math.max(0, ...corners.map(([x, y]) => Math.hypot(x - middle[0], y - middle[1])));
+        const r = Math.min(Math.max(16, 1.25 * far), 2000);
+        ring.element.style.cssText = `left:${middle[0] - r}px;top:${middle[1] - r}px;`
+          + `width:${2 * r}px;height:${2 * r}px`;
+        ring.mark.by = r + 4;
+      }
+    }
+    for (const { at, element, by } of marks) {
+      const middle = pixel(at);
+      element.style.display = 'none';
+      if (!middle) continue;
+      element.style.display = '';
+      const [w, h] = [element.offsetWidth, element.offsetHeight];
+      const [x, y] = middle;
+      let found = null;
+      for (let ring_ = 0; ring_ < 6 && !found; ring_++) {
+        const away = by + 14 * ring_;
+        for (const [left, top] of [[x - w / 2, y - away - h], [x - w / 2, y + away],
+          [x + away, y - h / 2], [x - away - w, y - h / 2]]) {
+          const room = [left, top, left + w, top + h];
+          const inside = left >= 0 && top >= 0 && room[2] <= place.clientWidth
+            && room[3] <= place.clientHeight;
+          const free = taken.every((one) => one[0] >= room[2] || room[0] >= one[2]
+            || one[1] >= room[3] || room[1] >= one[3]);
+          if (inside && free) {
+            found = room;
+            break;
+          }
+        }
+      }
+      if (!found) {
+        element.style.display = 'none';
+        continue;
+      }
+      taken.push(found);
+      element.style.left = `${found[0]}px`;
+      element.style.top = `${found[1]}px`;
+    }
+  }
+
+  function mark({ at, text, by, kind }) {
+    const element = document.createElement('span');
+    element.className = kind;
+    element.textContent = text;
+    over.appendChild(element);
+    return { at, element, by };
+  }
+
   function draw() {
     renderer.render(scene, camera);
+    annotate();
   }
 
   function show(number) {
@@ -112,26 +215,64 @@
     const box = new THREE.Box3().setFromObject(stage);
     const middle = box.getCenter(new THREE.Vector3());
     const reach = box.getSize(new THREE.Vector3()).length() / 2;
+    over.replaceChildren();
+    marks = [];
+    ring = null;
+    shot.bodies.forEach((_, side) => {
+      const own = new THREE.Box3();
+      for (const mesh of stage.children.slice(2 * side, 2 * side + 2)) own.expandByObject(mesh);
+      if (own.isEmpty()) return;
+      const at = own.getCenter(new THREE.Vector3());
+      at.z = own.max.z;
+      marks.push({ at, text: shot.parties[side], by: 8, kind: 'name' });
+    });
+    if (shot.patch) {
+      const corners = shot.patch.map((corner) => new THREE.Vector3(...corner));
+      const centre = corners[0].clone().add(corners[2]).multiplyScalar(0.5);
+      const element = document.createElement('i');
+      over.appendChild(element);
+      ring = { centre, corners, element };
+      marks.unshift({ at: centre, text: 'contact', by: 20, kind: 'contact-mark' });
+    }
+    const count = stage.children.length + (shot.patch ? 2 : 0);
+    stage.add(ground(box), bar(box));
+    marks = marks.map(mark);
+    if (ring) [ring.mark] = marks;
     if (shot.patch) stage.add(...frame(shot.patch));
     const from = new THREE.Vector3(0.7, 1, 0.65).normalize().multiplyScalar(reach * 2.4);
     camera.position.copy(middle).add(from);
     controls.target.copy(middle);
     controls.update();
     caption.textContent = shot.caption;
-    [...tabs.children].forEach((tab, at) => tab.setAttribute('aria-selected', at === number));
+    for (const tab of tabs.children) {
+      tab.setAttribute('aria-selected', Number(tab.value) === number);
+    }
     draw();
     const hits = shot.hits[0].length + shot.hits[1].length;
-    document.body.dataset.view = `shot ${number}, ${stage.children.length} objects, ${hits} hits`;
+    document.body.dataset.view = `shot ${number}, ${count} objects, ${hits} hits`;
   }
 
-  data.shots.forEach((shot, number) => {
-    const tab = document.createElement('button');
-    tab.type = 'button';
-    tab.role = 'tab';
-    tab.textContent = `${number + 1} ${shot.name}`;
-    tab.addEventListener('click', () => show(number));
-    tabs.appendChild(tab);
-  });
+  // The shots of a manoeuvre, the first of which is shown.
+  function choose(course, asked) {
+    const own = data.shots.map((_, number) => number)
+      .filter((number) => data.shots[number].course === course);
+    tabs.replaceChildren(...own.map((number) => {
+      const tab = document.createElement('button');
+      tab.type = 'button';
+      tab.role = 'tab';
+      tab.value = number;
+      tab.textContent = data.shots[number].name;
+      tab.addEventListener('click', () => show(number));
+      return tab;
+    }));
+    place.hidden = own.length === 0;
+    if (own.length === 0) {
+      caption.textContent = 'This manoeuvre meets nobody, and nobody is near.';
+      document.body.dataset.view = 'nothing';
+      return;
+    }
+    show(own.includes(asked) ? asked : own[0]);
+  }
   function fit() {
     const [width, height] = [place.clientWidth, place.clientHeight];
     renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
@@ -142,9 +283,18 @@
   }
   controls.addEventListener('change', draw);
   window.addEventListener('resize', fit);
-  // #shot=2 opens on the second candidate.
+  document.addEventListener('course', (event) => {
+    choose(event.detail);
+    fit();
+  });
+  // #shot=2 opens on the second shot, those of the first manoeuvre first.
   const asked = /^#shot=(\d+)$/.exec(location.hash);
-  const first = data.shots.findIndex((shot) => shot.patch);
-  show(asked ? Math.min(Number(asked[1]), data.shots.length) - 1 : Math.max(first, 0));
+  const number = asked ? Math.min(Math.max(Number(asked[1]), 1), data.shots.length) - 1 : -1;
+  const first = asked ? data.shots[number].course : choice ? Number(choice.value) : null;
+  if (asked && choice) {
+    choice.value = first;
+    choice.dispatchEvent(new Event('input'));
+  }
+  choose(first, number);
   fit();
 })();

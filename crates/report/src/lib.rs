@@ -6,6 +6,7 @@
 //!                │ pictures
 //!                ▼
 //! PlanPage (plain values) ──▶ plan    one file: text, tables, the scene from above (SVG), 3D
+//!      ├── document: the same as JSON, with its schema
 //!      └── Shot (two bodies, hits, patch) ──▶ glb    for Blender and the like
 //!                                         ├─▶ still  PNG, drawn here
 //!                                         └─▶ mcap   for Foxglove, with the feature `mcap`
@@ -22,6 +23,7 @@
 //! - A still shows a triangle where it is, the nearer one before the farther: `still/tests.rs`.
 //! - A .glb is well-formed, and holds each triangle with its colour: `glb/tests.rs`.
 
+pub mod document;
 pub mod explain;
 pub mod glb;
 mod html;

@@ -23,7 +23,11 @@ pub(crate) struct Packed {
 #[derive(Debug, Serialize)]
 pub(crate) struct PackedShot {
     name: String,
+    /// The candidate's number in the scene.
+    course: Option<usize>,
     bodies: [usize; 2],
+    parties: [String; 2],
+    is_nearest: bool,
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
     hits: [Vec<u32>; 2],
@@ -32,7 +36,12 @@ pub(crate) struct PackedShot {
 }
 
 /// All bodies and shots; numbers of hits count the triangles that were kept.
-pub(crate) fn pack(bodies: &[ShotBody], shots: &[Shot]) -> (Vec<Packed>, Vec<PackedShot>) {
+/// Bodies of no shot have no triangles. `course_of` is the number of a candidate in the scene.
+pub(crate) fn pack(
+    bodies: &[ShotBody],
+    shots: &[&Shot],
+    course_of: impl Fn(&str) -> Option<usize>,
+) -> (Vec<Packed>, Vec<PackedShot>) {
     let mut kept: Vec<Vec<u32>> = Vec::with_capacity(bodies.len());
     let mut packed = Vec::with_capacity(bodies.len());
     for (number, body) in bodies.iter().enumerate() {
@@ -50,15 +59,20 @@ pub(crate) fn pack(bodies: &[ShotBody], shots: &[Shot]) -> (Vec<Packed>, Vec<Pac
         }
         // Every n-th of the rest: enough to see the shape.
         let every = body.corners.len().div_ceil(TRIANGLES_MAX).max(1);
-        let numbers = (0..body.corners.len() as u32)
-            .filter(|at| is_hit[*at as usize] || (*at as usize).is_multiple_of(every));
+        let is_shown = shots.iter().any(|shot| shot.bodies.contains(&number));
+        let count = if is_shown { body.corners.len() as u32 } else { 0 };
+        let numbers =
+            (0..count).filter(|at| is_hit[*at as usize] || (*at as usize).is_multiple_of(every));
         let numbers: Vec<u32> = numbers.collect();
         packed.push(packed_body(body, &numbers));
         kept.push(numbers);
     }
     let shots = shots.iter().map(|shot| PackedShot {
         name: shot.name.clone(),
+        course: course_of(&shot.candidate),
         bodies: shot.bodies,
+        parties: shot.parties.clone(),
+        is_nearest: shot.is_nearest,
         rotation: shot.rotation,
         translation: shot.translation,
         hits: [0, 1].map(|side| {
@@ -133,13 +147,15 @@ mod tests {
             name: "s".into(),
             candidate: "s".into(),
             bodies: [0, 0],
+            parties: ["ego".into(), "other".into()],
             rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             translation: [0.0; 3],
             hits: [vec![7, 3_001], vec![]],
             patch: None,
             caption: String::new(),
+            is_nearest: false,
         };
-        let (packed, shots) = pack(&[body], &[shot]);
+        let (packed, shots) = pack(&[body], &[&shot], |_| None);
         assert!(packed[0].triangles <= TRIANGLES_MAX + 2 && packed[0].of == count as usize);
         // Triangles 0, 3, 6, 7, ...: the eighth is the fourth that was kept.
         assert_eq!(shots[0].hits[0][0], 3);

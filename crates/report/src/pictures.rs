@@ -2,7 +2,7 @@
 
 use crate::shot::{Shot, ShotBody, ShotPatch};
 use trolley::bodies::Bodies;
-use trolley::{Answer, ContactRow, Failure, PlanScene};
+use trolley::{Answer, ContactRow, CourseRow, Failure, PlanCourse, PlanNearest, PlanScene};
 
 /// The bodies, by number as the contacts of a scene name them.
 ///
@@ -17,38 +17,81 @@ pub fn bodies(bodies: &Bodies) -> Result<Vec<ShotBody>, Failure> {
     Ok(bodies.collect())
 }
 
-/// Every contact of every candidate, in the order of the ranking.
+/// Every contact of every candidate, in the order of the ranking; of one that meets nobody, where
+/// it comes nearest to somebody.
 #[must_use]
-pub fn shots(scene: &PlanScene, answer: &Answer) -> Vec<Shot> {
+pub fn all_shots(scene: &PlanScene, answer: &Answer) -> Vec<Shot> {
     let mut shots = Vec::new();
     for row in &answer.ranking {
         let Some(course) = scene.courses.iter().find(|course| course.name == row.name) else {
             continue;
         };
-        for (contact, at) in row.contacts.iter().zip(&course.scenes) {
-            let hits: usize = at.hits.iter().map(Vec::len).sum();
-            let patch = patch(contact);
-            let name = format!("{}: {}, {:.2} s", row.name, contact.party, contact.time_s);
-            let size =
-                patch.map_or(String::new(), |ShotPatch { size_m: [width, height], .. }| {
-                    format!("; the patch is {width:.2} m wide and {height:.2} m high")
-                });
-            let caption = format!(
-                "{name}: {}. {hits} triangles intersect from first contact on{size}. Bodies as \
-                 they lie when it is complete.",
-                contact.sides
-            );
-            shots.push(Shot {
-                name,
-                candidate: row.name.clone(),
-                bodies: at.models,
-                rotation: at.pose.rotation,
-                translation: at.pose.translation,
-                hits: at.hits.clone(),
-                patch,
-                caption,
-            });
+        let contacts = shots_of(scene, course, row);
+        if contacts.is_empty() {
+            shots.extend(course.nearest.as_ref().map(|nearest| nearest_shot(scene, row, nearest)));
         }
+        shots.extend(contacts);
+    }
+    shots
+}
+
+/// Every contact of every candidate, in the order of the ranking.
+#[must_use]
+pub fn shots(scene: &PlanScene, answer: &Answer) -> Vec<Shot> {
+    let mut shots = all_shots(scene, answer);
+    shots.retain(Shot::is_contact);
+    shots
+}
+
+fn party(scene: &PlanScene, number: usize) -> String {
+    scene.parties.get(number).map_or_else(String::new, |party| party.name.clone())
+}
+
+/// The bodies where a candidate comes nearest to somebody.
+fn nearest_shot(scene: &PlanScene, row: &CourseRow, nearest: &PlanNearest) -> Shot {
+    let other = party(scene, nearest.party);
+    let name = format!("{}: nearest to {other}, {:.2} s", row.name, nearest.time_s);
+    Shot {
+        caption: format!("{name}: {:.2} m apart in plan. Nothing touches.", nearest.gap_m),
+        name,
+        candidate: row.name.clone(),
+        bodies: nearest.scene.models,
+        parties: [party(scene, scene.ego), other],
+        rotation: nearest.scene.pose.rotation,
+        translation: nearest.scene.pose.translation,
+        hits: nearest.scene.hits.clone(),
+        patch: None,
+        is_nearest: true,
+    }
+}
+
+/// Every contact of a candidate.
+fn shots_of(scene: &PlanScene, course: &PlanCourse, row: &CourseRow) -> Vec<Shot> {
+    let mut shots = Vec::new();
+    for (contact, at) in row.contacts.iter().zip(&course.scenes) {
+        let hits: usize = at.hits.iter().map(Vec::len).sum();
+        let patch = patch(contact);
+        let name = format!("{}: {}, {:.2} s", row.name, contact.party, contact.time_s);
+        let size = patch.map_or(String::new(), |ShotPatch { size_m: [width, height], .. }| {
+            format!("; the patch is {width:.2} m wide and {height:.2} m high")
+        });
+        let caption = format!(
+            "{name}: {}. {hits} triangles intersect from first contact on{size}. Bodies as \
+             they lie when it is complete.",
+            contact.sides
+        );
+        shots.push(Shot {
+            name,
+            candidate: row.name.clone(),
+            bodies: at.models,
+            parties: [party(scene, scene.ego), contact.party.clone()],
+            rotation: at.pose.rotation,
+            translation: at.pose.translation,
+            hits: at.hits.clone(),
+            patch,
+            caption,
+            is_nearest: false,
+        });
     }
     shots
 }

@@ -1,18 +1,22 @@
-//! The page of a ranking: the answer in words, the scene from above with a slider over time, every
-//! contact in words and in 3D, the chain of figures, and how the work was done. A single file that
-//! fetches nothing.
+//! The page of a ranking: the answer in words, the scene from above with a slider over time, what
+//! touches in 3D, the ranking, every contact in words, the chain of figures, and how the work was
+//! done. A single file that fetches nothing.
 
 use crate::html::{chart, data_element, escape, framed, percent, view_scripts};
 use crate::pack;
 use crate::shot::{Shot, ShotBody};
 use crate::work::WorkDone;
-use ranking::ranking;
 use serde_json::json;
 use std::fmt::Write as _;
-use trolley::{Answer, AnswerState, ContactRow, CourseRow, PlanScene, Severity};
+use trolley::{Answer, CourseRow, PlanScene, Severity};
 
+mod course;
 mod drawing;
+mod head;
+mod labels;
+mod members;
 mod ranking;
+mod spread;
 
 const STYLE: &str = include_str!("../page/plan.css");
 const SCRIPT: &str = include_str!("../page/plan.js");
@@ -30,7 +34,7 @@ pub struct PlanPage<'a> {
     pub scene: &'a PlanScene,
     /// The bodies, by number as `shots` name them.
     pub bodies: &'a [ShotBody],
-    /// The contacts in 3D.
+    /// What touches in 3D, and where those who meet nobody come nearest.
     pub shots: &'a [Shot],
     /// The chain from contact to rank, as text, if there is one.
     pub explanation: Option<&'a str>,
@@ -65,25 +69,40 @@ fn rows(answer: &Answer) -> Vec<(usize, &CourseRow)> {
     rows
 }
 
+/// A sentence, or, where it lists many, a line that says how many and opens.
+fn folded(text: &str, count: usize, what: &str) -> String {
+    if count <= 4 {
+        return format!(" {text}");
+    }
+    format!("<details><summary>{count} more are {what}</summary>{text}</details>")
+}
+
+/// What the page says of its first candidate, and whether that does least harm for all that is
+/// known.
+pub(crate) fn verdict(answer: &Answer) -> (String, bool) {
+    let rows = rows(answer);
+    let is_first = rows.first().is_some_and(|(place, _)| *place == 0);
+    (head::title(&rows, answer), is_first && head::is_least_harm(answer))
+}
+
 /// The page.
 #[must_use]
 pub fn page(page: &PlanPage<'_>) -> String {
     let PlanPage { answer, scene, .. } = page;
     let rows = rows(answer);
-    let title = title(&rows, answer);
+    let title = head::title(&rows, answer);
     let mut body = String::new();
-    head(page, &rows, &title, &mut body);
-    ranking(&rows, &mut body);
+    head::head(page, &rows, &title, &mut body);
     // The candidates of the scene stand in the scenario's order.
-    let number = |row: &CourseRow| scene.courses.iter().position(|one| one.name == row.name);
+    let number = |name: &str| scene.courses.iter().position(|one| one.name == name);
     let order: Vec<(usize, &CourseRow)> =
-        rows.iter().filter_map(|(_, row)| Some((number(row)?, *row))).collect();
+        rows.iter().filter_map(|(_, row)| Some((number(&row.name)?, *row))).collect();
     let window = drawing::PlanWindow::of(scene);
     view(scene, &window, &order, &mut body);
-    for (_, row) in &rows {
-        course(row, &mut body);
-    }
     touching(page.shots, &mut body);
+    ranking::ranking(&rows, &mut body);
+    members::members(answer, &rows, &mut body);
+    course::courses(page, &window, &rows, &mut body);
     if let Some(explanation) = page.explanation {
         let _w = write!(
             body,
@@ -94,152 +113,17 @@ pub fn page(page: &PlanPage<'_>) -> String {
         );
     }
     engineers(page, &mut body);
-    let (bodies, shots) = pack::pack(page.bodies, page.shots);
+    // The shots of the first candidate come first.
+    let place = |shot: &&Shot| rows.iter().position(|(_, row)| row.name == shot.candidate);
+    let mut shots: Vec<&Shot> = page.shots.iter().collect();
+    shots.sort_by_key(place);
+    let (bodies, shots) = pack::pack(page.bodies, &shots, number);
     let data = json!({"scene": scene, "view": window, "bodies": bodies, "shots": shots});
     let mut scripts = format!("{}<script>{SCRIPT}</script>", data_element(&data.to_string()));
     if !page.shots.is_empty() {
         scripts.push_str(&view_scripts());
     }
     framed(&title, &body, STYLE, &scripts)
-}
-
-fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
-    let Some((_, first)) = rows.first() else { return "Nothing to rank".to_owned() };
-    if answer.refusal().is_some() {
-        return "No way is acceptable under the policy".to_owned();
-    }
-    if first.touches_nobody() {
-        return format!("Touches nobody: {}", first.name);
-    }
-    match answer.state {
-        AnswerState::Complete | AnswerState::Certified => format!("Least harm: {}", first.name),
-        AnswerState::Degraded => format!("Least harm, as far as is known: {}", first.name),
-        AnswerState::Refused => "Not known which does least harm".to_owned(),
-    }
-}
-
-fn head(page: &PlanPage<'_>, rows: &[(usize, &CourseRow)], title: &str, body: &mut String) {
-    let PlanPage { scenario, answer, work, .. } = page;
-    let count = rows.len();
-    let free = rows.iter().filter(|(_, row)| row.touches_nobody()).count();
-    let _w = write!(
-        body,
-        "<header><p class=\"asked\">{}. {count} way{} left; {}.</p><h1>{}</h1>\
-         <dl class=\"verdict\">",
-        bdi(scenario.trim_end_matches('.')),
-        if count == 1 { " is" } else { "s are" },
-        match free {
-            0 if rows.iter().any(|(_, row)| row.hits_nobody()) => {
-                "none is free of contact from the start on".to_owned()
-            }
-            0 => "each hits somebody, as far as is known".to_owned(),
-            1 => "1 touches nobody".to_owned(),
-            free => format!("{free} touch nobody"),
-        },
-        bdi(title)
-    );
-    let mut say = |term: &str, text: String| {
-        let _w = write!(body, "<dt>{term}</dt><dd>{text}</dd>");
-    };
-    if let Some(refusal) = answer.refusal() {
-        say("What the policy says", format!("{}.", name(&refusal.sentence())));
-    } else if let Some((_, first)) = rows.first() {
-        say("What happens", happens(first));
-    }
-    let mut sure = match answer.state {
-        AnswerState::Complete => "<b>Complete.</b> All work is done.",
-        AnswerState::Certified => {
-            "<b>Certified.</b> Not all work is done, but none of the rest can change the winner."
-        }
-        AnswerState::Degraded => "<b>Degraded.</b> Missing work could change the winner.",
-        AnswerState::Refused => "<b>Refused.</b> No candidate has a bound.",
-    }
-    .to_owned();
-    let first = answer.ranking.first();
-    let is_first = |name: &str| first.is_some_and(|row| row.name == name);
-    let ties: Vec<String> =
-        answer.tie_class.iter().filter(|one| !is_first(one)).map(|one| bdi(one)).collect();
-    if !ties.is_empty() {
-        let _w = write!(sure, " Within the range of the model as good: {}.", ties.join(", "));
-    }
-    let won = first.and_then(|row| row.expected.as_ref()?.worlds);
-    if let (Some(won), Some(worlds)) = (won, &answer.worlds) {
-        let _w = write!(
-            sure,
-            " It wins in {:.0} % of {} worlds that the model allows.",
-            100.0 * won,
-            worlds.count
-        );
-    }
-    say("How sure", sure);
-    if let Some(first) = first {
-        if answer.refusal().is_some() {
-            say("First in order", bdi(&first.name));
-        } else if rows.first().is_some_and(|(place, _)| *place > 0) {
-            say("First under the policy", bdi(&first.name));
-        }
-        if let Some(why) = &first.why {
-            say("Why", format!("{}.", name(why.trim_end_matches('.'))));
-        }
-    }
-    say(
-        "Whose rule",
-        format!("The policy “{}”; harm is its leading measure.", bdi(&answer.policy)),
-    );
-    body.push_str("</dl>");
-    let implausible =
-        answer.implausible.iter().map(|one| format!("Implausible: {}", one.sentence()));
-    let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
-    let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
-    let remarks = work.remarks.iter().map(|text| format!("Note: {text}."));
-    let notes = answer.notes.iter().filter(|note| !note.is_refusal());
-    let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
-    for remark in implausible.chain(missing).chain(assumed).chain(notes).chain(remarks) {
-        let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
-    }
-    body.push_str("</header>");
-}
-
-/// What a way comes to, in a sentence or two.
-fn happens(row: &CourseRow) -> String {
-    let mut text = match (row.contacts.as_slice(), row.open_from_s) {
-        ([], None) if row.expected.is_some() && !row.touches_nobody() => {
-            "In the scene as stated it touches nobody.".to_owned()
-        }
-        ([], None) if !row.touches_nobody() => {
-            "It hits nobody, but is or may be in contact at the start: see its notes.".to_owned()
-        }
-        ([], None) => "It touches nobody until the end of its way: proven for every triangle and \
-                       every time."
-            .to_owned(),
-        ([], Some(from_s)) => format!("After {from_s:.2} s it is not known what happens."),
-        (contacts, _) => {
-            let said = contacts
-                .iter()
-                .map(|contact| format!("{} after {:.2} s", bdi(&contact.party), contact.time_s));
-            format!("It meets {}.", said.collect::<Vec<_>>().join(", then "))
-        }
-    };
-    if let Some(near) = row.nearest.as_ref().filter(|_| row.contacts.is_empty()) {
-        let _w = write!(
-            text,
-            " It comes nearest to {}: {:.2} m in plan at {:.2} s.",
-            bdi(&near.party),
-            near.gap_m,
-            near.time_s
-        );
-    }
-    for other in &row.alternatives {
-        let _w = write!(
-            text,
-            " But if {} takes path {} (probability {:.2}), it is met after {:.2} s.",
-            bdi(&other.party),
-            other.path,
-            other.probability,
-            other.time_s
-        );
-    }
-    text
 }
 
 /// A share, or its bounds if work is open.
@@ -280,117 +164,25 @@ fn view(
         (scene.horizon_s / 0.05 - 1e-6).ceil() * 0.05
     );
     let title = format!("The scene from above at the start, with the way of: {}", first.name);
-    body.push_str(&drawing::svg(scene, window, *shown, &title));
+    body.push_str(&drawing::svg(scene, window, *shown, drawing::Use::Screen, &title));
+    if !scene.members.is_empty() {
+        let _w = write!(
+            body,
+            "<p class=\"key\">Thin lines: the paths of {} members, draws of where everybody may \
+             really be and go; red dots: where these touch; small dots: where each is at the time \
+             above.</p>",
+            scene.members.len()
+        );
+    }
     body.push_str(
         "<noscript><p class=\"key\">Shown is the first candidate at the start; the other ones, and \
          other times, need JavaScript.</p></noscript><p class=\"key\"><span \
          class=\"swatch-ego\"></span> ego <span class=\"swatch-met\"></span> is met <span \
          class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; \
          dashed: predicted, but not followed; dotted red: the run-out after a heavy contact. \
-         ⊗ contact. Where a struck party goes is not computed: it is shown where it was struck. \
-         Bodies outside of the picture are not shown.</p></section>",
-    );
-}
-
-/// Every contact of a candidate.
-fn course(row: &CourseRow, body: &mut String) {
-    let _w = write!(body, "<section><h2>{}</h2><p>{}</p>", bdi(&row.name), happens(row));
-    for one in &row.contacts {
-        contact(one, body);
-    }
-    for run_out in &row.run_outs {
-        let [x, y] = run_out.velocity_m_s;
-        let _w = write!(
-            body,
-            "<p>Run-out from {:.2} s at {:.1} m/s: {:.1} m until it stands.</p>",
-            run_out.from_s,
-            x.hypot(y),
-            run_out.length_m
-        );
-    }
-    if row.contacts.len() > 1 {
-        let said = row.persons.iter().map(|one| {
-            let (work, range) = (one.work, one.range);
-            let risk = share(work.lo(), work.hi());
-            let range = format!("{}–{}", percent(range.low()), percent(range.high()));
-            format!("{}: {risk} % ({range} %)", who(&one.party, one.seat))
-        });
-        let said: Vec<String> = said.collect();
-        let _w = write!(body, "<p>All contacts together: {}.</p>", said.join("; "));
-    }
-    for remark in &row.remarks {
-        let _w = write!(body, "<p class=\"remark\">Note: {}.</p>", name(remark));
-    }
-    body.push_str("</section>");
-}
-
-/// "bus, rear left", "pedestrian".
-fn who(party: &str, seat: Option<&str>) -> String {
-    let seat = seat.map(|seat| format!(", {}", seat.replace('-', " ")));
-    format!("{}{}", bdi(party), seat.unwrap_or_default())
-}
-
-fn contact(contact: &ContactRow, body: &mut String) {
-    let _w = write!(
-        body,
-        "<div class=\"contact\"><p><b>{:.2} s: {}</b>, {}{}; {}</p>",
-        contact.time_s,
-        bdi(&contact.party),
-        severity(contact.severity),
-        if contact.is_certain { "" } else { ", possible" },
-        name(&contact.sides)
-    );
-    if contact.unevaluable.is_some() {
-        body.push_str("<p>It cannot be evaluated: what comes of it is not known.</p>");
-    }
-    let delta = |side: usize| {
-        let delta = &contact.delta_v_m_s[side];
-        let (low, high) = (delta.range.low(), delta.range.high());
-        format!("{:.1} m/s ({low:.1}–{high:.1})", delta.work.hi())
-    };
-    let other = if contact.is_other_fixed { "fixed".to_owned() } else { delta(1) };
-    let _w = write!(
-        body,
-        "<p>Closing {:.1} m/s; ΔV ego {}, other {other}.</p>",
-        contact.closing_m_s,
-        delta(0)
-    );
-    for person in &contact.persons {
-        let _w = write!(
-            body,
-            "<p>{}: {} % risk, model range {}–{} %{}.</p>",
-            who(&person.party, person.seat),
-            share(person.work.lo(), person.work.hi()),
-            percent(person.range.low()),
-            percent(person.range.high()),
-            if person.extrapolated { ", beyond the speeds of the curve's sample" } else { "" }
-        );
-    }
-    let parts = |side: usize| match contact.parts[side].as_slice() {
-        [] => "–".to_owned(),
-        parts => name(&parts.join(", ")),
-    };
-    let mut curves: Vec<&str> = contact.persons.iter().map(|one| one.curve.as_str()).collect();
-    curves.sort_unstable();
-    curves.dedup();
-    let _w = write!(
-        body,
-        "<details><summary>Details</summary><p>Touches at {:.6} s, first in this crash at {:.6} s; \
-         nothing touches before {:.6} s. Triangles {} and {} touch first. Until the contact is \
-         complete {} triangles of the ego and {} of the other are hit; parts: {} and {}. Energy \
-         lost: {:.1} to {:.1} kJ. Curves: {}.</p></details></div>",
-        contact.time_s,
-        contact.first_touch_s,
-        contact.excluded_before_s,
-        contact.triangles[0],
-        contact.triangles[1],
-        contact.hits[0],
-        contact.hits[1],
-        parts(0),
-        parts(1),
-        1e-3 * contact.energy_j.lo(),
-        1e-3 * contact.energy_j.hi(),
-        if curves.is_empty() { "–".to_owned() } else { name(&curves.join(", ")) }
+         ⊗ contact; dashed outlines: where it comes nearest. Where a struck party goes is not \
+         computed: it is shown where it was struck. Bodies outside of the picture are not \
+         shown.</p></section>",
     );
 }
 
@@ -400,11 +192,13 @@ fn touching(shots: &[Shot], body: &mut String) {
         return;
     }
     body.push_str(
-        "<section><h2>What touches</h2><div id=\"tabs\" role=\"tablist\"></div>\
+        "<section class=\"solid\"><h2>In 3D</h2><div id=\"tabs\" role=\"tablist\"></div>\
          <div id=\"view\"><noscript>The 3D view needs JavaScript.</noscript></div>\
          <p id=\"caption\"></p><p class=\"key\"><span class=\"ego\"></span> ego \
          <span class=\"other\"></span> the other <span class=\"hit\"></span> triangles that \
-         intersect anywhere from first contact on <span class=\"patch\"></span> the contact patch. \
+         intersect anywhere from first contact on <span class=\"patch\"></span> the contact patch, \
+         which a ring marks at every scale. Shown are contacts of the manoeuvre that is chosen \
+         above, and where it comes nearest if it meets nobody. The grid on the ground is of 1 m. \
          Drag to rotate, wheel to zoom, right button to pan.</p></section>",
     );
 }
@@ -413,10 +207,21 @@ fn touching(shots: &[Shot], body: &mut String) {
 fn engineers(page: &PlanPage<'_>, body: &mut String) {
     let PlanPage { answer, work, .. } = page;
     body.push_str(
-        "<section><h2>For engineers</h2><details><summary>Build, times, transfer and hashes\
-         </summary><h3>Stages</h3>",
+        "<section class=\"engineers\"><h2>For engineers</h2><details><summary>Build, times, \
+         transfer and hashes</summary>",
     );
-    body.push_str(&chart::stages(&work.stages));
+    for remark in &work.remarks {
+        let _w = write!(body, "<p class=\"remark\">Note: {}.</p>", name(remark));
+    }
+    body.push_str("<h3>Stages</h3>");
+    // Charts show hundredths.
+    let (seen, unseen): (Vec<_>, Vec<_>) =
+        work.stages.iter().cloned().partition(|(_, ms)| *ms >= 0.005);
+    body.push_str(&chart::stages(&seen));
+    if !unseen.is_empty() {
+        let names: Vec<String> = unseen.iter().map(|(stage, _)| name(stage)).collect();
+        let _w = write!(body, "<p>Took no time: {}.</p>", names.join(", "));
+    }
     if work.workers.iter().any(|worker| !worker.spans.is_empty()) {
         body.push_str("<h3>Jobs on each worker</h3>");
         body.push_str(&chart::workers(&work.workers));
@@ -426,7 +231,8 @@ fn engineers(page: &PlanPage<'_>, body: &mut String) {
             "<h3>Transfer by edge</h3><table><thead><tr><th>from</th><th>to</th>\
              <th class=\"n\">messages</th><th class=\"n\">bytes</th></tr></thead><tbody>",
         );
-        for (from, to, messages, bytes) in &work.edges {
+        let is_used = |edge: &&(String, String, u64, u64)| edge.2 > 0;
+        for (from, to, messages, bytes) in work.edges.iter().filter(is_used) {
             let _w = write!(
                 body,
                 "<tr><td>{}</td><td>{}</td><td class=\"n\">{messages}</td><td class=\"n\">{bytes}\
@@ -436,6 +242,10 @@ fn engineers(page: &PlanPage<'_>, body: &mut String) {
             );
         }
         body.push_str("</tbody></table>");
+        let unused = work.edges.len() - work.edges.iter().filter(is_used).count();
+        if unused > 0 {
+            let _w = write!(body, "<p>Edges without messages: {unused}.</p>");
+        }
     }
     body.push_str("<h3>Facts</h3><table class=\"facts\"><tbody>");
     let mut fact = |term: &str, text: &str| {

@@ -1,4 +1,5 @@
-//! A shot of one contact: two posed bodies, the hit triangles, and the patch.
+//! A shot of one contact, or of where two bodies come nearest: both posed, the hit triangles, and
+//! the patch.
 
 use geometry::{Corners, DVec3};
 
@@ -22,7 +23,7 @@ pub struct ShotPatch {
     pub size_m: [f64; 2],
 }
 
-/// One contact at one pose.
+/// Two bodies at one pose: a contact, or where they come nearest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
     /// The candidate, whom it meets and when.
@@ -31,6 +32,8 @@ pub struct Shot {
     pub candidate: String,
     /// Numbers of the ego and of the other among the bodies.
     pub bodies: [usize; 2],
+    /// Names of both as parties.
+    pub parties: [String; 2],
     /// The other seen from the ego: rotation, row by row.
     pub rotation: [[f64; 3]; 3],
     /// Where the other's origin is (m).
@@ -41,9 +44,17 @@ pub struct Shot {
     pub patch: Option<ShotPatch>,
     /// Caption of the picture, a sentence.
     pub caption: String,
+    /// Nothing touches: it is where the ego comes nearest to the other.
+    pub is_nearest: bool,
 }
 
 impl Shot {
+    /// Whether the bodies touch.
+    #[must_use]
+    pub fn is_contact(&self) -> bool {
+        !self.is_nearest
+    }
+
     /// A point of a body as posed in this shot (m); `other`: of the other body.
     #[must_use]
     pub fn place(&self, point: [f32; 3], other: bool) -> [f64; 3] {
@@ -57,23 +68,29 @@ impl Shot {
         })
     }
 
-    /// Least and greatest corner of everything hit, else of both bodies (m).
+    /// Least and greatest corner of both bodies (m).
     #[must_use]
     pub fn focus(&self, bodies: &[ShotBody]) -> [[f64; 3]; 2] {
+        let all = self.bodies.into_iter().enumerate();
+        let bounds = all.filter_map(|(side, number)| self.bounds(bodies.get(number)?, side));
+        let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        bounds.fold(none, |[low, high], [a, b]| {
+            [[0, 1, 2].map(|axis| low[axis].min(a[axis])), [0, 1, 2].map(|i| high[i].max(b[i]))]
+        })
+    }
+
+    /// Least and greatest corner of a body as posed in this shot (m): 0 the ego, 1 the other.
+    #[must_use]
+    pub fn bounds(&self, body: &ShotBody, side: usize) -> Option<[[f64; 3]; 2]> {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        let mut include = |point: [f64; 3]| {
+        for corner in body.corners.iter().flatten() {
+            let point = self.place(*corner, side == 1);
             for axis in 0..3 {
                 low[axis] = low[axis].min(point[axis]);
                 high[axis] = high[axis].max(point[axis]);
             }
-        };
-        for (side, number) in self.bodies.into_iter().enumerate() {
-            let Some(body) = bodies.get(number) else { continue };
-            for corner in body.corners.iter().flatten() {
-                include(self.place(*corner, side == 1));
-            }
         }
-        [low, high]
+        (!body.corners.is_empty()).then_some([low, high])
     }
 }
 

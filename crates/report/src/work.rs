@@ -1,11 +1,13 @@
 //! How the work was done, from a run or from its record, for engineers.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use trolley::record::{RecordedEnd, hex};
 use trolley::{Record, Run};
 
 /// What engineers ask.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct WorkDone {
     /// Stages and their times (ms).
     pub stages: Vec<(String, f64)>,
@@ -20,7 +22,7 @@ pub struct WorkDone {
 }
 
 /// What one worker did.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Worker {
     /// Its name.
     pub name: String,
@@ -29,7 +31,7 @@ pub struct Worker {
 }
 
 /// One job on a worker (ms, from the start of the first).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TimelineSpan {
     /// When it began.
     pub from_ms: f64,

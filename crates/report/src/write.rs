@@ -3,13 +3,13 @@
 //! A record holds no hit sets, so its request is replayed, as by `trolley record replay`; if the
 //! answer is not the recorded one, nothing is written.
 
-use crate::pictures::{bodies, shots};
+use crate::pictures::{all_shots, bodies};
 use crate::plan::{self, PlanPage};
 use crate::shot::{Shot, ShotBody};
 use crate::still::Camera;
 use crate::text::COLUMNS;
 use crate::work::WorkDone;
-use crate::{Figure, MeasurementPage, explain, glb, html, still};
+use crate::{Figure, MeasurementPage, document, explain, glb, html, still};
 use std::path::{Path, PathBuf};
 use trolley::bodies::OnProgress;
 use trolley::files::InputKind;
@@ -25,6 +25,8 @@ const FOLDER: &str = "give a folder that `trolley measure --out` wrote";
 pub struct Wanted {
     /// The page.
     pub page: Option<PathBuf>,
+    /// What the page shows, as JSON.
+    pub json: Option<PathBuf>,
     /// Folder for each contact as .glb, damage as vertex colours.
     pub glb: Option<PathBuf>,
     /// Folder for two stills of each contact: from a corner, and from above.
@@ -51,7 +53,7 @@ impl Wanted {
     }
 
     fn is_nothing(&self) -> bool {
-        let others = [&self.page, &self.glb, &self.stills];
+        let others = [&self.page, &self.json, &self.glb, &self.stills];
         others.iter().all(|path| path.is_none()) && self.mcap().is_none()
     }
 }
@@ -88,7 +90,8 @@ fn of_record(
     progress: OnProgress<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
     // Fail before the replay, not after it, if a file cannot be written.
-    for target in wanted.page.iter().map(PathBuf::as_path).chain(wanted.mcap()) {
+    let files = wanted.page.iter().chain(&wanted.json).map(PathBuf::as_path);
+    for target in files.chain(wanted.mcap()) {
         files::check(target, Some(path))?;
     }
     let record = Record::read(path)?;
@@ -99,7 +102,7 @@ fn of_record(
             .at(path.display())
             .with_remedy("make the report with the build that recorded it; see record replay"));
     }
-    let (bodies, shots) = (bodies(&made.bodies)?, shots(&made.scene, &made.answer));
+    let (bodies, all) = (bodies(&made.bodies)?, all_shots(&made.scene, &made.answer));
     let ranking = &made.answer.ranking;
     let is_there = |name: &&String| ranking.iter().any(|row| row.name == **name);
     if let Some(name) = wanted.candidates.iter().find(|name| !is_there(name)) {
@@ -108,25 +111,34 @@ fn of_record(
             .with_remedy(format!("candidates here: {}", names.join(", "))));
     }
     let mut written = Vec::new();
-    if let Some(page) = &wanted.page {
+    if wanted.page.is_some() || wanted.json.is_some() {
         let explanation = made.explanation.as_ref();
         let explanation = explanation.map(|of| explain::text(of, COLUMNS));
-        let text = plan::page(&PlanPage {
+        let work = WorkDone::of_record(&record);
+        let page = PlanPage {
             scenario: &made.scenario.parsed().name,
             answer: &made.answer,
-            work: &WorkDone::of_record(&record),
+            work: &work,
             scene: &made.scene,
             bodies: &bodies,
-            shots: &shots,
+            shots: &all,
             explanation: explanation.as_deref(),
-        });
-        files::replace(page, text.as_bytes())?;
-        written.push(page.clone());
+        };
+        if let Some(file) = &wanted.page {
+            files::replace(file, plan::page(&page).as_bytes())?;
+            written.push(file.clone());
+        }
+        if let Some(file) = &wanted.json {
+            files::replace(file, document::document(&page)?.as_bytes())?;
+            written.push(file.clone());
+        }
     }
+    // Pictures are of contacts.
+    let shots: Vec<&Shot> = all.iter().filter(|shot| shot.is_contact()).collect();
     #[cfg(feature = "mcap")]
     if let Some(path) = wanted.mcap() {
-        let shots: Vec<&Shot> = shots.iter().filter(|shot| wanted.shows(shot)).collect();
-        let file = crate::mcap::mcap(&shots, &bodies)?;
+        let shots: Vec<&Shot> = shots.iter().copied().filter(|shot| wanted.shows(shot)).collect();
+        let file = crate::mcap::mcap(&shots, &bodies, &made.scene)?;
         files::replace(path, &file)?;
         written.push(path.to_owned());
     }
@@ -180,6 +192,10 @@ fn plain(name: &str) -> String {
 
 /// A folder of `trolley measure`: its page, with the figures inside.
 fn of_measurement(source: &Path, wanted: &Wanted) -> Result<Vec<PathBuf>, Failure> {
+    if wanted.json.is_some() {
+        let fault = "a measurement has no document: its folder holds measure.json";
+        return Err(Failure::setting(fault).with_remedy("leave --report-json out"));
+    }
     let Some(out) = &wanted.page else {
         let fault = "a measurement has no bodies to show";
         return Err(Failure::setting(fault).with_remedy("add --out FILE.html"));

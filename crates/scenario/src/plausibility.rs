@@ -29,6 +29,7 @@ use crate::scenario::{Motion, Name, Occupancy, Party, Scenario};
 use body::BodyKind;
 use geometry::Aabb;
 use geometry::motion::{MotionPath, State};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Steps between the grounds of two bodies that are usual (m): kerbs, ramps, a sloppy origin.
@@ -52,7 +53,7 @@ pub struct LoadedBody {
 }
 
 /// Something that is allowed and hardly true.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Implausible {
     /// The party that it is about; `None`: a candidate as a whole.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -288,6 +288,34 @@ pub use coordinator::PlanContact;
 /// assert!(course.contacts.is_empty());
 /// ```
 pub use coordinator::PlanCourse;
+/// Where everybody goes in one member of a [`PlanScene`].
+///
+/// ```
+/// let member = trolley::PlanMember::default();
+/// assert!(member.parties.is_empty() && member.courses.is_empty());
+/// ```
+pub use coordinator::PlanMember;
+/// A candidate as it was followed in a [`PlanMember`].
+///
+/// ```
+/// let course = trolley::PlanMemberCourse::default();
+/// assert!(course.ego.is_empty() && course.contacts.is_empty());
+/// ```
+pub use coordinator::PlanMemberCourse;
+/// Where a [`PlanCourse`] comes nearest to a party that it does not meet.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// # let limits = trolley::Limits::default();
+/// let mut scene = trolley::PlanScene::default();
+/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
+/// for nearest in scene.courses.iter().filter_map(|course| course.nearest.as_ref()) {
+///     println!("{:.2} m from {}", nearest.gap_m, scene.parties[nearest.party].name);
+/// }
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use coordinator::PlanNearest;
 /// A body of a [`PlanScene`], and where it may go.
 ///
 /// ```
@@ -302,6 +330,13 @@ pub use coordinator::PlanParty;
 /// assert!(path.probability < 1.0);
 /// ```
 pub use coordinator::PlanPath;
+/// Where a body is at one time, of a [`PlanMember`].
+///
+/// ```
+/// let [time_s, x_m, y_m] = trolley::PlanPoint([0.5, 7.0, 0.0]).0;
+/// assert_eq!((time_s, x_m, y_m), (0.5, 7.0, 0.0));
+/// ```
+pub use coordinator::PlanPoint;
 /// A body at one time, of a [`PlanScene`].
 ///
 /// ```
@@ -311,7 +346,7 @@ pub use coordinator::PlanPath;
 pub use coordinator::PlanSample;
 /// A scene over time, seen from above: what a picture of a ranking is drawn from, and
 /// what [`Engine::rank_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
-/// [`PlanSample`] and [`PlanContact`] are its parts.
+/// [`PlanSample`], [`PlanContact`], [`PlanNearest`] and [`PlanMember`] are its parts.
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;

@@ -14,10 +14,11 @@ use damage::{
     RankedCandidates, Unevaluable,
 };
 use executor::encounter::Encounters;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The answer to a request.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Answer {
     /// How complete it is.
     pub state: AnswerState,
@@ -64,7 +65,7 @@ impl Answer {
 }
 
 /// One candidate in its place.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CourseRow {
     /// Its name.
     pub name: String,
@@ -107,7 +108,7 @@ pub struct CourseRow {
 }
 
 /// A run-out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunOutRow {
     /// When it begins (s).
     pub from_s: f64,
@@ -118,7 +119,7 @@ pub struct RunOutRow {
 }
 
 /// One contact of a candidate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ContactRow {
     /// The party that is met.
     pub party: String,
@@ -169,7 +170,7 @@ pub struct ContactRow {
 }
 
 /// One person over all contacts of a candidate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CoursePersonRow {
     /// The party that the person belongs to.
     pub party: String,

@@ -9,6 +9,7 @@ use executor::encounter::{Encounters, Look, LookOutcome};
 use geometry::plan::ConvexOutline;
 use geometry::{DVec3, Pose};
 use scenario::Candidate;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -22,7 +23,7 @@ const CONTACT_M: f64 = 0.01;
 const STEPS_MAX: usize = 64;
 
 /// The party that comes nearest without contact.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NearestRow {
     /// Which.
     pub party: String,
@@ -34,7 +35,7 @@ pub struct NearestRow {
 }
 
 /// What is ahead of the ego at the end of its way.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AtHorizon {
     /// The end of the way: the horizon, or the end of a run-out before (s).
     pub time_s: f64,
@@ -48,7 +49,7 @@ pub struct AtHorizon {
 }
 
 /// A predicted motion that was not followed, on which the ego would meet the party.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Alternative {
     /// Which party.
     pub party: String,

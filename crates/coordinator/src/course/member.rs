@@ -90,6 +90,11 @@ impl<'s> Member<'s> {
         &self.candidates[candidate].0
     }
 
+    /// The path of a party where it does not react; none of the ego.
+    pub(crate) fn party(&self, party: usize) -> Option<&MotionPath> {
+        self.parties[party].as_deref()
+    }
+
     /// The path of another party in a candidate, which is number `number`.
     pub(crate) fn other(
         &self,

@@ -6,18 +6,21 @@
 
 use super::flags::Outlines;
 use super::way::Scenery;
-use super::{Course, Severity};
+use super::{Course, CourseRow, NearestRow, Severity};
 use crate::candidate_state::CandidateState;
 use crate::request::Candidate;
 use geometry::motion::MotionPath;
 use geometry::{Pose, RelativePose};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Step of time between samples (s).
 const STEP_S: f64 = 0.05;
+/// How far the line of a member may lie from its motion (m), before it is rounded.
+const LINE_M: f64 = 0.04;
 
 /// A scene over time: all bodies in plan, and every candidate as it was followed.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanScene {
     /// The end of all motions (s); they begin at 0.
     pub horizon_s: f64,
@@ -27,10 +30,41 @@ pub struct PlanScene {
     pub parties: Vec<PlanParty>,
     /// All candidates, in the scenario's order.
     pub courses: Vec<PlanCourse>,
+    /// Where everybody goes in each member that harm is the mean of; empty without members.
+    pub members: Vec<PlanMember>,
 }
 
+/// Where everybody goes in one member. Tracks are within 5 cm of the motions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct PlanMember {
+    /// Per party: its motion in candidates to which it does not react; empty for the ego.
+    pub parties: Vec<Vec<PlanPoint>>,
+    /// Per candidate, in the scenario's order.
+    pub courses: Vec<PlanMemberCourse>,
+}
+
+/// A candidate as it was followed in a member.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct PlanMemberCourse {
+    /// The ego, until it stands after a run-out, the horizon, or where it is not known what
+    /// happens.
+    pub ego: Vec<PlanPoint>,
+    /// Parties that react: number and track.
+    pub reactions: Vec<(usize, Vec<PlanPoint>)>,
+    /// Contacts in the order of time.
+    pub contacts: Vec<PlanContact>,
+}
+
+/// The origin of a body at one time, written as `[time_s, x_m, y_m]`; between two it moves
+/// linearly, and after the last it stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct PlanPoint(
+    /// Time (s) and place (m).
+    pub [f64; 3],
+);
+
 /// A body in plan, and where it may go.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanParty {
     /// Its name.
     pub name: String,
@@ -43,7 +77,7 @@ pub struct PlanParty {
 }
 
 /// A predicted path.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanPath {
     /// Its probability.
     pub probability: f64,
@@ -53,14 +87,14 @@ pub struct PlanPath {
 
 /// A body at one time, written as `[time_s, x_m, y_m, cos, sin]`; between two it moves linearly,
 /// and after the last it stays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanSample(
     /// Time (s), origin of the body's frame (m), and its direction in plan: a unit vector.
     pub [f64; 5],
 );
 
 /// A candidate as it was followed.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanCourse {
     /// Its name.
     pub name: String,
@@ -77,10 +111,26 @@ pub struct PlanCourse {
     /// The bodies at each of them.
     #[serde(skip)]
     pub scenes: Vec<ContactScene>,
+    /// Where it comes nearest to somebody, if it meets nobody and all is known.
+    pub nearest: Option<PlanNearest>,
+}
+
+/// Where a candidate comes nearest to a party that it does not meet.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct PlanNearest {
+    /// The party's number.
+    pub party: usize,
+    /// When (s).
+    pub time_s: f64,
+    /// The distance of the outlines in plan (m).
+    pub gap_m: f64,
+    /// The bodies then.
+    #[serde(skip)]
+    pub scene: ContactScene,
 }
 
 /// A contact of a candidate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanContact {
     /// The party's number.
     pub party: usize,
@@ -118,8 +168,14 @@ impl ContactScene {
     }
 }
 
-/// What was followed, in plan.
-pub(super) fn scene(scenery: &Scenery<'_>, courses: &[Course<'_>]) -> PlanScene {
+/// What was followed, in plan: in the scene as stated, and in the members that are drawn, as many
+/// courses for each as there are candidates. `rows` are those of the answer.
+pub(super) fn scene(
+    scenery: &Scenery<'_>,
+    courses: &[Course<'_>],
+    drawn: &[Course<'_>],
+    rows: &[CourseRow],
+) -> PlanScene {
     let scenario = scenery.scenario;
     let outlines = Outlines::of(scenery);
     let parties = scenario.parties.iter().enumerate().map(|(number, party)| PlanParty {
@@ -153,6 +209,10 @@ pub(super) fn scene(scenery: &Scenery<'_>, courses: &[Course<'_>]) -> PlanScene 
                 .iter()
                 .filter_map(|one| one.scene.as_deref().cloned())
                 .collect(),
+            nearest: rows
+                .iter()
+                .find(|row| row.name == *candidate.name && row.contacts.is_empty())
+                .and_then(|row| nearest(scenery, (course, candidate), row.nearest.as_ref()?)),
         }
     });
     PlanScene {
@@ -160,7 +220,86 @@ pub(super) fn scene(scenery: &Scenery<'_>, courses: &[Course<'_>]) -> PlanScene 
         ego: scenario.ego.0,
         parties: parties.collect(),
         courses: courses.collect(),
+        members: drawn
+            .chunks_exact(scenario.candidates.len().max(1))
+            .map(|courses| member(scenery, courses))
+            .collect(),
     }
+}
+
+/// The bodies where a candidate comes nearest to a party.
+fn nearest(
+    scenery: &Scenery<'_>,
+    (course, candidate): (&Course<'_>, &scenario::Candidate),
+    row: &NearestRow,
+) -> Option<PlanNearest> {
+    let parties = &scenery.scenario.parties;
+    let party = parties.iter().position(|party| party.name == *row.party)?;
+    let other = scenery.motion(candidate, party).path.pose_at(row.time_s);
+    let models = [scenery.scenario.ego.0, party].map(|party| scenery.models[party]);
+    Some(PlanNearest {
+        party,
+        time_s: row.time_s,
+        gap_m: row.gap_m,
+        scene: ContactScene {
+            models,
+            pose: RelativePose::between(&course.way.ego_at(row.time_s), &other),
+            hits: [Vec::new(), Vec::new()],
+        },
+    })
+}
+
+/// Where everybody goes in the member of these courses, one per candidate.
+fn member(scenery: &Scenery<'_>, courses: &[Course<'_>]) -> PlanMember {
+    let scenario = scenery.scenario;
+    let way = |path: &MotionPath| line(&track_of(path, scenario.horizon_s));
+    let party = |party: usize| {
+        let path = courses.first().and_then(|course| course.way.member().party(party));
+        path.map_or_else(Vec::new, way)
+    };
+    let course = |course: &Course<'_>| {
+        let number = course.candidate;
+        let candidate = &scenario.candidates[number];
+        let reacting = candidate.reactions.iter().map(|reaction| reaction.party.0);
+        let path = |party: usize| course.way.member().other((number, candidate), party);
+        PlanMemberCourse {
+            ego: line(&ego_track(course)),
+            reactions: reacting.map(|party| (party, way(path(party)))).collect(),
+            contacts: contacts(course),
+        }
+    };
+    PlanMember {
+        parties: (0..scenario.parties.len()).map(party).collect(),
+        courses: courses.iter().map(course).collect(),
+    }
+}
+
+/// The samples of a track that are needed to be within [`LINE_M`] of all of them.
+fn line(track: &[PlanSample]) -> Vec<PlanPoint> {
+    let point = |sample: &PlanSample| {
+        let [time_s, x, y, ..] = sample.0;
+        // Centimetres and milliseconds: of less a thin line shows nothing.
+        let short = |value: f64, by: f64| (value * by).round() / by + 0.0;
+        PlanPoint([short(time_s, 1e3), short(x, 1e2), short(y, 1e2)])
+    };
+    let is_near = |first: usize, last: usize| {
+        let (a, b) = (track[first].0, track[last].0);
+        track[first + 1..last].iter().all(|sample| {
+            let [time_s, x, y, ..] = sample.0;
+            let share = (time_s - a[0]) / (b[0] - a[0]);
+            let apart = |k: usize, is: f64| a[k] + share * (b[k] - a[k]) - is;
+            apart(1, x).hypot(apart(2, y)) <= LINE_M
+        })
+    };
+    let Some(begin) = track.first() else { return Vec::new() };
+    let (mut kept, mut from) = (vec![point(begin)], 0);
+    for next in 1..track.len() {
+        if next + 1 == track.len() || !is_near(from, next + 1) {
+            kept.push(point(&track[next]));
+            from = next;
+        }
+    }
+    kept
 }
 
 /// Corners, without those that are within 1 mm of the one before.

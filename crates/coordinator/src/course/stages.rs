@@ -12,10 +12,11 @@ use crate::workspace::RunError;
 use damage::expected::{self, Lead, Spread, Spreads};
 use damage::{AnswerState, CourseHarm, Interval, RankedCandidates};
 use scenario::{Candidate, Members};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The members of an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MembersRow {
     /// How many there are.
     pub count: u32,
@@ -31,7 +32,7 @@ pub struct MembersRow {
 }
 
 /// What members say of a candidate.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ExpectedRow {
     /// The share of members in which it meets anybody; where something is open, the least share.
     pub contact: f64,
@@ -53,7 +54,7 @@ pub struct ExpectedRow {
 }
 
 /// A candidate in one member.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MemberRow {
     /// The leading measure.
     pub harm: f64,
@@ -62,7 +63,7 @@ pub struct MemberRow {
 }
 
 /// A party that a candidate meets in some members.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MetRow {
     /// Which.
     pub party: String,

@@ -197,6 +197,11 @@ impl<'s> Way<'s> {
         self.member.ego(self.candidate)
     }
 
+    /// The member in which it is followed.
+    pub(crate) fn member(&self) -> &Member<'s> {
+        &self.member
+    }
+
     /// What a heavy contact lets the ego do.
     pub(crate) fn run_out(&self, usual: RunOut) -> RunOut {
         self.member.run_out(usual)

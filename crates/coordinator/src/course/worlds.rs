@@ -9,6 +9,7 @@ use damage::expected;
 use damage::world::{Doubt, World, WorldDraw};
 use damage::{CourseHarm, Interval, RankedCandidates, Risk, Scratch, rank_in};
 use scenario::members::world_coordinate;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How many worlds there are.
@@ -17,7 +18,7 @@ const WORLDS: u32 = 200;
 const WORLDS_OF_ONE: u32 = 64;
 
 /// The worlds of an answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WorldsRow {
     /// How many there are.
     pub count: u32,
@@ -26,7 +27,7 @@ pub struct WorldsRow {
 }
 
 /// One thing that the model does not know.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FlipRow {
     /// What is drawn, with all else nominal.
     pub doubt: Doubt,

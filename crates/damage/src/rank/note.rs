@@ -1,10 +1,11 @@
 //! What an answer says besides its order.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::sync::Arc;
 
 /// A remark that an answer makes besides its order.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Note {
     /// No candidate keeps everybody at or below the accepted risk; that step was passed over.

@@ -81,12 +81,15 @@ fn one(pair: &Swept, say: &mut impl FnMut(String)) {
     let depth = best_depth(pair).map_or(0, |(depth, _)| depth);
     say(format!("{poses} poses; best depth on four virtual cores: {depth}.\n"));
     for (kind, what) in [
-        ("speed-up", "Speed-up with four virtual cores that copy sections, as the paper's did"),
+        (
+            "speed-up",
+            "Simulated speed-up with four virtual cores that copy sections, as the paper's did",
+        ),
         (
             "zero-copy",
-            "Speed-up with four virtual cores on one sealed store, and measured with two",
+            "Simulated speed-up with four virtual cores on one sealed store, and measured with two",
         ),
-        ("transfer", "Relative transfer with four virtual cores"),
+        ("transfer", "Simulated relative transfer with four virtual cores"),
     ] {
         say(format!("![{what}]({name}-{kind}.png)\n"));
     }

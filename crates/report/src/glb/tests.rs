@@ -15,6 +15,7 @@ pub(crate) fn shot() -> (Shot, Vec<ShotBody>) {
         name: "a \"way\" </script>".into(),
         candidate: "a way".into(),
         bodies: [0, 1],
+        parties: ["ego".into(), "other".into()],
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [2.0, 0.0, 0.0],
         hits: [vec![1], vec![0]],
@@ -24,6 +25,7 @@ pub(crate) fn shot() -> (Shot, Vec<ShotBody>) {
             size_m: [1.0, 0.6],
         }),
         caption: "a caption".into(),
+        is_nearest: false,
     };
     (shot, bodies)
 }

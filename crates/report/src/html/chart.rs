@@ -9,8 +9,14 @@ const WIDTH: f64 = 760.0;
 /// Space for names at the left.
 const LEFT: f64 = 190.0;
 /// Colours that differ in grey, too (Okabe and Ito, Color Universal Design, 2008).
-const COLOURS: [&str; 8] =
-    ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#f0e442"];
+const COLOURS: [&str; OWN_COLOURS] =
+    ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"];
+/// How many parties have a colour of their own.
+pub(crate) const OWN_COLOURS: usize = 7;
+/// The colour of all other parties.
+const OTHERS: &str = "#55514a";
+/// The colour where nobody is met.
+pub(crate) const NOBODY: &str = "#c4c4be";
 
 fn svg(height: f64, inside: &str, title: &str) -> String {
     format!(
@@ -40,38 +46,88 @@ pub(crate) fn whisker(work: [f64; 2], range: [f64; 2], top: f64) -> String {
     )
 }
 
-/// Harm in each member, ascending, coloured by who is met first; `top` is the greatest of all
-/// candidates, on a scale of square roots.
-pub(crate) fn strip(members: &[(f64, Option<usize>)], top: f64, title: &str) -> String {
-    const HIGH: f64 = 28.0;
+/// Left edge, top and height of the bars of a strip, and its whole height.
+const STRIP: [f64; 4] = [74.0, 10.0, 84.0, 102.0];
+/// Least distance between labels of an axis: a line of text on a narrow screen.
+const AXIS: f64 = 22.0;
+
+/// Harm in each member, ascending, each with its colour; `mean` is a line, and `top` the greatest
+/// of all candidates, on a scale of square roots. The title is markup.
+pub(crate) fn strip(members: &[(f64, &str)], mean: f64, top: f64, title: &str) -> String {
+    let [left, upper, high, whole] = STRIP;
+    let share = |harm: f64| if top > 0.0 { (harm / top).clamp(0.0, 1.0).sqrt() } else { 0.0 };
+    let y = |harm: f64| upper + high * (1.0 - share(harm));
+    let mut inside = String::new();
+    for at in axis(top, high) {
+        let _w = write!(
+            inside,
+            "<path class=\"grid\" d=\"M{left} {0:.1}H{WIDTH}\"/><text class=\"axis\" \
+             x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\">{3} %</text>",
+            y(at),
+            left - 8.0,
+            y(at) + 5.0,
+            round(at)
+        );
+    }
     let mut ascending = members.to_vec();
     ascending.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let width = 160.0 / ascending.len().max(1) as f64;
-    let mut inside = String::new();
-    for (at, (harm, first)) in ascending.iter().enumerate() {
-        let share = if top > 0.0 { (harm / top).max(0.0).sqrt() } else { 0.0 };
-        let height = (HIGH * share).max(1.0);
-        let colour = first.map_or("#999999", |party| COLOURS[party % COLOURS.len()]);
+    let width = (WIDTH - left) / ascending.len().max(1) as f64;
+    for (at, (harm, colour)) in ascending.iter().enumerate().filter(|(_, (harm, _))| *harm > 0.0) {
+        // Harm that is not nothing is seen.
+        let height = (high * share(*harm)).max(1.5);
         let _w = write!(
             inside,
             "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" \
              fill=\"{colour}\"/>",
-            width * at as f64,
-            HIGH - height,
+            left + width * at as f64,
+            upper + high - height,
             (0.85 * width).max(0.5)
         );
     }
+    let _w = write!(inside, "<path class=\"mean\" d=\"M{left} {0:.1}H{WIDTH}\"/>", y(mean));
     format!(
-        "<svg class=\"whisker\" viewBox=\"0 0 160 {HIGH:.0}\" role=\"img\" \
-         aria-label=\"{0}\"><title>{0}</title>\
-         {inside}</svg>",
-        escape(title)
+        "<svg class=\"strip\" viewBox=\"0 0 {WIDTH} {whole}\" role=\"img\" \
+         aria-label=\"{title}\"><title>{title}</title>{inside}</svg>"
     )
 }
 
-/// A square in the colour of a party in [`strip`].
-pub(crate) fn swatch(party: usize) -> String {
-    let colour = COLOURS[party % COLOURS.len()];
+/// A value of an axis in percent: it has one digit that is not 0.
+fn round(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits = if percent > 0.0 { -libm::floor(libm::log10(1.000_001 * percent)) } else { 0.0 };
+    format!("{percent:.*}", digits.clamp(0.0, 12.0) as usize)
+}
+
+/// Values on an axis of square roots, `high` long, whose labels do not touch: 0, and 1, 2 or 5
+/// times powers of ten up to `top`, from above.
+fn axis(top: f64, high: f64) -> Vec<f64> {
+    let mut said = vec![0.0];
+    if !(top > 0.0 && top.is_finite()) {
+        return said;
+    }
+    let place = |value: f64| high * (value / top).sqrt();
+    let mut power = 10_f64.powi(libm::floor(libm::log10(top)) as i32);
+    let mut last = f64::INFINITY;
+    // Below a hundredth of the top the axis has less than a tenth of its length.
+    for _ in 0..4 {
+        for value in [5.0 * power, 2.0 * power, power] {
+            if value <= top && last - place(value) >= AXIS && place(value) >= AXIS {
+                last = place(value);
+                said.push(value);
+            }
+        }
+        power /= 10.0;
+    }
+    said
+}
+
+/// The colour of a party by its number among those that have one; `None`: of all others.
+pub(crate) fn colour_of(party: Option<usize>) -> &'static str {
+    party.and_then(|party| COLOURS.get(party)).copied().unwrap_or(OTHERS)
+}
+
+/// A square in a colour.
+pub(crate) fn swatch(colour: &str) -> String {
     format!(
         "<svg class=\"swatch\" viewBox=\"0 0 10 10\" width=\"10\" height=\"10\" \
          aria-hidden=\"true\">\
@@ -124,4 +180,27 @@ pub(crate) fn workers(workers: &[Worker]) -> String {
     inside += &label(LEFT, y, "start", "0");
     inside += &label(WIDTH - 20.0, y, "end", &format!("{end:.2} ms"));
     svg(y + 6.0, &inside, "Jobs on each worker over time")
+}
+
+#[cfg(test)]
+mod tests {
+    //! Labels of an axis do not touch, whatever the scale.
+
+    use super::*;
+    use geometry::rng::Rng;
+
+    #[test]
+    fn labels_of_an_axis_are_a_line_apart_and_lie_on_it() {
+        let mut rng = Rng::new(11);
+        for _ in 0..500 {
+            let top = 10_f64.powf(rng.between(-7.0, 0.0));
+            let said = axis(top, STRIP[2]);
+            let mut places: Vec<f64> =
+                said.iter().map(|value| STRIP[2] * (value / top).sqrt()).collect();
+            places.sort_by(f64::total_cmp);
+            assert!(places.len() >= 2, "{top}: {said:?}");
+            assert!(places.windows(2).all(|pair| pair[1] - pair[0] >= AXIS), "{top}: {places:?}");
+            assert!(places.iter().all(|place| (0.0..=STRIP[2]).contains(place)));
+        }
+    }
 }

@@ -1,24 +1,20 @@
 //! The plan view as SVG: paths with a mark each second, contacts with labels that do not cover each
 //! other, bodies, a scale bar.
 
-use super::{cut, name};
+use super::labels::{TakenRoom, UNDER};
+use super::{cut, name, spread};
 use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::{PlanCourse, PlanSample, PlanScene};
 
 /// Width in the drawing's own units.
-const WIDTH: f64 = 1000.0;
+pub(super) const WIDTH: f64 = 1000.0;
 /// Least and greatest height, as shares of the width.
 const HEIGHT: [f64; 2] = [0.3, 0.75];
 /// What is left free around ways and bodies (m).
 const MARGIN_M: f64 = 6.0;
 /// A party that is met is shown where it starts if that is not farther from the ego's ways (m).
 const FAR_M: f64 = 40.0;
-/// Room for a line of text and for a letter: the greater of the two sizes in `plan.css`.
-const LINE: f64 = 26.0;
-const LETTER: f64 = 12.0;
-/// What of a line is under the base line.
-const UNDER: f64 = 6.0;
 /// Least distance between two times beside a way.
 const TICK: f64 = 50.0;
 /// With more parties, only those are named that are met or named elsewhere on the page.
@@ -33,7 +29,16 @@ pub(super) struct PlanWindow {
     pub(super) top_m: f64,
     /// Units per metre.
     pub(super) per_m: f64,
-    height: f64,
+    pub(super) height: f64,
+}
+
+/// What a drawing is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// All candidates, which the page's script shows one at a time.
+    Screen,
+    /// One candidate, which stands still.
+    Paper,
 }
 
 impl PlanWindow {
@@ -47,6 +52,9 @@ impl PlanWindow {
         for course in &scene.courses {
             course.ego.iter().for_each(|sample| hold([sample.0[1], sample.0[2]], MARGIN_M));
             course.contacts.iter().for_each(|contact| hold(contact.at_m, MARGIN_M));
+        }
+        for course in scene.members.iter().flat_map(|member| &member.courses) {
+            course.ego.iter().for_each(|point| hold([point.0[1], point.0[2]], 1.0));
         }
         let (near, far) = (low, high);
         for (number, party) in scene.parties.iter().enumerate() {
@@ -78,7 +86,8 @@ impl PlanWindow {
         }
     }
 
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// A place in the world (m) in the drawing's units.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.left_m) * self.per_m, (self.top_m - y) * self.per_m]
     }
 
@@ -94,85 +103,9 @@ impl PlanWindow {
         self.height / WIDTH
     }
 
-    fn holds(&self, [x, y]: [f64; 2]) -> bool {
+    pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         (0.0..=WIDTH).contains(&x) && (0.0..=self.height).contains(&y)
     }
-}
-
-/// Rectangles that are taken: left, top, right, bottom.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TakenRoom(Vec<[f64; 4]>);
-
-impl TakenRoom {
-    /// The first free place near a point for a text, taken from then on: its left end and its base
-    /// line. `None`: all are taken or outside.
-    fn place(&mut self, window: &PlanWindow, at: [f64; 2], text: &str) -> Option<[f64; 2]> {
-        let [left, _, _, bottom] = self.placed(window, at, text)?;
-        Some([left, bottom - UNDER])
-    }
-
-    /// The rectangle of [`TakenRoom::place`].
-    pub(super) fn placed(
-        &mut self,
-        window: &PlanWindow,
-        [x, y]: [f64; 2],
-        text: &str,
-    ) -> Option<[f64; 4]> {
-        let width = LETTER * text.chars().count() as f64;
-        let tries = (1..=7).flat_map(|ring| {
-            let up = 16.0 + LINE * f64::from(ring - 1);
-            [-up, up + LINE - 8.0]
-                .into_iter()
-                .flat_map(move |dy| [12.0, -12.0 - width, -0.5 * width].map(|dx| [x + dx, y + dy]))
-        });
-        for [left, base] in tries {
-            let room = [left, base - LINE + UNDER, left + width, base + UNDER];
-            let is_inside = room[0] >= 2.0
-                && room[1] >= 2.0
-                && room[2] <= WIDTH - 2.0
-                && room[3] <= window.height - 2.0;
-            if is_inside && !self.0.iter().any(|taken| overlap(taken, &room)) {
-                self.0.push(room);
-                return Some(room);
-            }
-        }
-        None
-    }
-
-    /// Takes squares along a body, which is longer than it is wide.
-    fn take_body(&mut self, window: &PlanWindow, outline_m: &[[f64; 2]], pose: &[f64; 5]) {
-        let [_, x, y, cos, sin] = *pose;
-        let most = |k: usize| outline_m.iter().fold(0.0, |most: f64, at| most.max(at[k].abs()));
-        let (length_m, width_m) = (most(0), most(1));
-        let by = 0.9 * width_m.min(length_m) * window.per_m + 2.0;
-        let count = (length_m / width_m.max(0.1)).clamp(1.0, 20.0).round() as usize;
-        for k in 0..=count {
-            let along = (2.0 * k as f64 / count as f64 - 1.0) * (length_m - width_m).max(0.0);
-            self.take(window.at([x + cos * along, y + sin * along]), by);
-        }
-    }
-
-    /// Takes the ego's way, and the times beside it.
-    fn take_times(&mut self, window: &PlanWindow, course: &PlanCourse) {
-        let end_s = course.ego.last().map_or(0.0, |sample| sample.0[0]);
-        for second in 1..=end_s.floor() as usize {
-            let [_, x, y, ..] = pose_at(&course.ego, second as f64);
-            let [x, y] = window.at([x, y]);
-            self.0.push([x - 20.0, y - 5.0, x + 20.0, y + 30.0]);
-        }
-        for sample in &course.ego {
-            self.take(window.at([sample.0[1], sample.0[2]]), 5.0);
-        }
-    }
-
-    /// Takes a square around a point.
-    fn take(&mut self, [x, y]: [f64; 2], by: f64) {
-        self.0.push([x - by, y - by, x + by, y + by]);
-    }
-}
-
-pub(super) fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
 /// A body on its track at a time: linear between samples, still after the last.
@@ -185,7 +118,11 @@ pub(super) fn pose_at(track: &[PlanSample], time_s: f64) -> [f64; 5] {
 }
 
 /// How a party moves in a candidate.
-fn followed<'s>(scene: &'s PlanScene, course: &'s PlanCourse, party: usize) -> &'s [PlanSample] {
+pub(super) fn followed<'s>(
+    scene: &'s PlanScene,
+    course: &'s PlanCourse,
+    party: usize,
+) -> &'s [PlanSample] {
     if party == scene.ego {
         return &course.ego;
     }
@@ -198,29 +135,65 @@ fn followed<'s>(scene: &'s PlanScene, course: &'s PlanCourse, party: usize) -> &
 }
 
 /// The whole drawing; `shown` is the candidate that a reader sees first.
-pub(super) fn svg(scene: &PlanScene, window: &PlanWindow, shown: usize, title: &str) -> String {
-    let mut inside = String::new();
-    for k in 0..scene.courses.len() {
+pub(super) fn svg(
+    scene: &PlanScene,
+    window: &PlanWindow,
+    shown: usize,
+    made_for: Use,
+    title: &str,
+) -> String {
+    let (mut under, mut over) = (String::new(), String::new());
+    let is_drawn = |k: usize| made_for == Use::Screen || k == shown;
+    let mut shown_room = TakenRoom::default();
+    for k in (0..scene.courses.len()).filter(|k| is_drawn(*k)) {
+        let mut room = room_of(scene, window, k);
         let hidden = if k == shown { "" } else { " style=\"display:none\"" };
-        let _w = write!(inside, "<g data-course=\"{k}\"{hidden}>");
-        ways(scene, window, k, &mut inside);
-        inside.push_str("</g>");
+        let open = match made_for {
+            Use::Screen => format!("<g data-course=\"{k}\"{hidden}>"),
+            Use::Paper => "<g>".to_owned(),
+        };
+        under.push_str(&open);
+        ways(scene, window, k, &mut under);
+        under.push_str("</g>");
+        over.push_str(&open);
+        said(scene, window, k, &mut room, &mut over);
+        over.push_str("</g>");
+        if k == shown {
+            shown_room = room;
+        }
     }
-    let mut room = TakenRoom::default();
-    bodies(scene, window, shown, &mut room, &mut inside);
-    for (k, course) in scene.courses.iter().enumerate() {
-        let hidden = if k == shown { "" } else { " style=\"display:none\"" };
-        let _w = write!(inside, "<g data-course=\"{k}\"{hidden}>");
-        contacts(scene, window, course, room.clone(), &mut inside);
-        inside.push_str("</g>");
-    }
+    let mut inside = spread::spread(scene, window, shown, made_for);
+    inside.push_str(&under);
+    bodies(scene, window, shown, made_for, &mut shown_room, &mut inside);
+    inside.push_str(&over);
     scale_bar(window, &mut inside);
+    let id = if made_for == Use::Screen { " id=\"plan\"" } else { "" };
     format!(
-        "<svg id=\"plan\" class=\"plan\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 \
+        "<svg{id} class=\"plan\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 \
          {WIDTH} {:.0}\" role=\"img\" aria-label=\"{1}\"><title>{1}</title>{inside}</svg>",
         window.height,
         name(title)
     )
+}
+
+/// What labels of a candidate must not cover: bodies at the start, what touches, and the ego's way;
+/// and what they had better not cover: the ways of others.
+fn room_of(scene: &PlanScene, window: &PlanWindow, k: usize) -> TakenRoom {
+    let course = &scene.courses[k];
+    let mut room = TakenRoom::default();
+    for (number, party) in scene.parties.iter().enumerate() {
+        let track = followed(scene, course, number);
+        room.take_body(window, &party.outline_m, &pose_at(track, 0.0));
+        if number != scene.ego {
+            room.take_track(window, track, TakenRoom::avoid);
+        }
+    }
+    room.take_track(window, &course.ego, TakenRoom::take);
+    for contact in &course.contacts {
+        room.take(window.at(contact.at_m), 12.0);
+    }
+    room.take_scale(window);
+    room
 }
 
 /// The line of a track between two times, if it is longer than half a metre.
@@ -248,29 +221,40 @@ fn line(
     format!("<polyline class=\"way {class}\" points=\"{}\"/>", points.trim_end())
 }
 
-/// A dot each second, and its time where there is room beside it.
-fn marks(window: &PlanWindow, track: &[PlanSample], to_s: f64, class: &str, out: &mut String) {
-    let mut before: Option<[f64; 2]> = None;
-    let mut said: Option<[f64; 2]> = None;
+/// A dot each second, where it is apart from the one before.
+fn dots(window: &PlanWindow, track: &[PlanSample], to_s: f64) -> Vec<(usize, [f64; 2])> {
+    let mut dots: Vec<(usize, [f64; 2])> = Vec::new();
     for second in 1..=to_s.floor() as usize {
         let [_, x, y, ..] = pose_at(track, second as f64);
         let at = window.at([x, y]);
-        let far = |from: Option<[f64; 2]>, by: f64| {
-            from.is_none_or(|[p, q]| f64::hypot(at[0] - p, at[1] - q) > by)
-        };
-        if !far(before, 3.0) || !window.holds(at) {
+        let is_apart = dots.last().is_none_or(|(_, [p, q])| f64::hypot(at[0] - p, at[1] - q) > 3.0);
+        if is_apart && window.holds(at) {
+            dots.push((second, at));
+        }
+    }
+    dots
+}
+
+fn marks(window: &PlanWindow, track: &[PlanSample], to_s: f64, class: &str, out: &mut String) {
+    for (_, [x, y]) in dots(window, track, to_s) {
+        let _w = write!(out, "<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
+    }
+}
+
+/// The times beside the ego's dots, where there is room.
+fn times(window: &PlanWindow, course: &PlanCourse, room: &mut TakenRoom, out: &mut String) {
+    let end_s = course.ego.last().map_or(0.0, |sample| sample.0[0]);
+    let mut last: Option<[f64; 2]> = None;
+    for (second, at @ [x, y]) in dots(window, &course.ego, end_s) {
+        let is_near = last.is_some_and(|[p, q]| f64::hypot(x - p, y - q) <= TICK);
+        if is_near {
             continue;
         }
-        before = Some(at);
-        let [x, y] = at;
-        let _w = write!(out, "<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
-        if class == "own" && far(said, TICK) {
-            said = Some(at);
+        if let Some([left, base]) = room.place_beside(window, at, &format!("{second} s")) {
+            last = Some(at);
             let _w = write!(
                 out,
-                "<text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{second} \
-                 s</text>",
-                y + 24.0
+                "<text class=\"tick\" x=\"{left:.1}\" y=\"{base:.1}\">{second} s</text>"
             );
         }
     }
@@ -303,6 +287,7 @@ fn bodies(
     scene: &PlanScene,
     window: &PlanWindow,
     shown: usize,
+    made_for: Use,
     room: &mut TakenRoom,
     out: &mut String,
 ) {
@@ -314,10 +299,6 @@ fn bodies(
     };
     let poses: Vec<[f64; 5]> =
         (0..scene.parties.len()).map(|n| pose_at(followed(scene, course, n), 0.0)).collect();
-    for (party, pose) in scene.parties.iter().zip(&poses) {
-        room.take_body(window, &party.outline_m, pose);
-    }
-    room.take_times(window, course);
     for (number, party) in scene.parties.iter().enumerate() {
         let [_, x, y, cos, sin] = poses[number];
         let [e, f] = window.at([x, y]);
@@ -335,7 +316,7 @@ fn bodies(
         }
         let _w = write!(
             out,
-            "<g data-body=\"{number}\"><title>{0}</title><g class=\"turned\" \
+            "<g{5}><title>{0}</title><g class=\"turned\" \
              transform=\"matrix({cos} {1} {sin} {cos} {e:.1} {f:.1})\"><polygon class=\"{class}\" \
              points=\"{2}\"/><line class=\"front\" x1=\"{3:.1}\" y1=\"0\" x2=\"{4:.1}\" \
              y2=\"0\"/></g>",
@@ -343,7 +324,11 @@ fn bodies(
             -sin,
             points.trim_end(),
             0.45 * front,
-            0.85 * front
+            0.85 * front,
+            match made_for {
+                Use::Screen => format!(" data-body=\"{number}\""),
+                Use::Paper => String::new(),
+            }
         );
         let is_named = scene.parties.len() <= NAMED_MAX || is_ego || is_ever_met(number);
         let text = cut(&party.name, 18);
@@ -353,7 +338,8 @@ fn bodies(
         {
             let _w = write!(
                 out,
-                "<text transform=\"translate({e:.1} {f:.1})\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                "<text class=\"name\" transform=\"translate({e:.1} {f:.1})\" x=\"{:.1}\" \
+                 y=\"{:.1}\">{}</text>",
                 left - e,
                 base - f,
                 name(&text)
@@ -363,34 +349,15 @@ fn bodies(
     }
 }
 
-/// A cross in a circle for each contact, and when and whom beside it.
-fn contacts(
-    scene: &PlanScene,
-    window: &PlanWindow,
-    course: &PlanCourse,
-    mut room: TakenRoom,
-    out: &mut String,
-) {
-    room.take_times(window, course);
+/// A cross in a circle for each contact, and when and whom beside it; or where the ego comes
+/// nearest to whom; and times.
+fn said(scene: &PlanScene, window: &PlanWindow, k: usize, room: &mut TakenRoom, out: &mut String) {
+    let course = &scene.courses[k];
     for contact in &course.contacts {
-        room.take(window.at(contact.at_m), 12.0);
-    }
-    for contact in &course.contacts {
-        let at @ [x, y] = window.at(contact.at_m);
-        let who = cut(&scene.parties[contact.party].name, 18);
-        let text = format!("{:.2} s {who}", contact.time_s);
-        if let Some([left, base]) = room.place(window, at, &text) {
-            let end = if left > x { left } else { left + 20.0 };
-            let _w = write!(
-                out,
-                "<line class=\"lead\" x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{end:.1}\" \
-                 y2=\"{:.1}\"/><text class=\"said\" x=\"{left:.1}\" y=\"{base:.1}\">{:.2} s \
-                 <tspan>{}</tspan></text>",
-                base - 5.0,
-                contact.time_s,
-                name(&who)
-            );
-        }
+        let at = window.at(contact.at_m);
+        let who = &scene.parties[contact.party].name;
+        label(window, at, &format!("{:.2} s", contact.time_s), who, "said", room, out);
+        let [x, y] = at;
         let _w = write!(
             out,
             "<circle class=\"hit\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\"/><path class=\"cross\" \
@@ -399,6 +366,64 @@ fn contacts(
             y - 4.5
         );
     }
+    if let Some(nearest) = &course.nearest {
+        let both = [scene.ego, nearest.party].map(|number| {
+            let pose = pose_at(followed(scene, course, number), nearest.time_s);
+            outline(window, &scene.parties[number].outline_m, &pose, out);
+            window.at([pose[1], pose[2]])
+        });
+        let at = [0, 1].map(|axis| 0.5 * (both[0][axis] + both[1][axis]));
+        let text = format!("{:.2} s, {:.2} m to", nearest.time_s, nearest.gap_m);
+        let who = &scene.parties[nearest.party].name;
+        if window.holds(at) {
+            label(window, at, &text, who, "near", room, out);
+        }
+    }
+    times(window, course, room, out);
+}
+
+/// A text with a name beside a point, and a line to it.
+fn label(
+    window: &PlanWindow,
+    at @ [x, y]: [f64; 2],
+    text: &str,
+    who: &str,
+    class: &str,
+    room: &mut TakenRoom,
+    out: &mut String,
+) {
+    let who = cut(who, 18);
+    let Some(placed) = room.placed(window, at, &format!("{text} {who}")) else { return };
+    let [left, top, right, bottom] = placed;
+    // The text is not as long as its room: it begins or ends where the line comes from.
+    let (anchor, from, end) = if left >= x {
+        ("start", left, [left - 2.0, 0.5 * (top + bottom)])
+    } else if right <= x {
+        ("end", right, [right + 2.0, 0.5 * (top + bottom)])
+    } else {
+        ("middle", 0.5 * (left + right), [x, if y < top { top } else { bottom }])
+    };
+    let _w = write!(
+        out,
+        "<line class=\"lead {class}\" x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{:.1}\" \
+         y2=\"{:.1}\"/><text class=\"{class}\" x=\"{from:.1}\" y=\"{:.1}\" \
+         text-anchor=\"{anchor}\">{text} <tspan>{}</tspan></text>",
+        end[0],
+        end[1],
+        bottom - UNDER,
+        name(&who)
+    );
+}
+
+/// A dashed outline of a body at a pose.
+fn outline(window: &PlanWindow, outline_m: &[[f64; 2]], pose: &[f64; 5], out: &mut String) {
+    let [_, x, y, cos, sin] = *pose;
+    let corner = |[u, v]: &[f64; 2]| {
+        let [p, q] = window.at([x + cos * u - sin * v, y + sin * u + cos * v]);
+        format!("{p:.1},{q:.1}")
+    };
+    let points: Vec<String> = outline_m.iter().map(corner).collect();
+    let _w = write!(out, "<polygon class=\"then\" points=\"{}\"/>", points.join(" "));
 }
 
 /// A bar of 1, 2 or 5 times a power of ten metres.

@@ -1,11 +1,14 @@
-//! A page fetches nothing, escapes foreign markup, says first what follows, and draws what was
-//! followed; labels do not cover each other.
+//! A page fetches nothing, escapes foreign markup, opens on the first candidate, says "least harm"
+//! only where that is so, draws what was followed, and folds what there is nothing to tell of;
+//! labels do not cover each other.
 
-use super::drawing::{PlanWindow, TakenRoom, overlap, pose_at};
+use super::drawing::{PlanWindow, pose_at};
+use super::labels::{TakenRoom, overlap};
 use super::*;
 use crate::pictures;
 use geometry::rng::Rng;
-use trolley::{Engine, Limits, PlanSample, Run, Scenario};
+use std::path::Path;
+use trolley::{AnswerState, Engine, Limits, PlanSample, Run, Scenario};
 
 const SCENE: &str = r#"
 schema = "trolley.scenario/2"
@@ -28,11 +31,20 @@ state = { position_m = [0, 0, 0], speed_m_s = 3 }
 "#;
 
 fn ranked() -> (Answer, Run, PlanScene) {
-    let scenario = Scenario::parse("test.toml", SCENE).expect("sound");
+    ranked_of(&Scenario::parse("test.toml", SCENE).expect("sound"))
+}
+
+/// The same scene in members.
+fn ranked_in_members() -> (Answer, Run, PlanScene) {
+    let text = SCENE.replace("horizon_s = 3", "horizon_s = 3\nmembers = 4\nmembers_max = 4");
+    ranked_of(&Scenario::parse("test.toml", &text).expect("sound"))
+}
+
+fn ranked_of(scenario: &Scenario) -> (Answer, Run, PlanScene) {
     let mut engine = Engine::builder().in_process().build().expect("an engine");
     let mut scene = PlanScene::default();
     let limits = Limits::default();
-    let ranking = engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene));
+    let ranking = engine.rank_drawn(scenario, &limits, &|_, _| {}, Some(&mut scene));
     let ranking = ranking.expect("it can be ranked");
     (ranking.answer, ranking.run, scene)
 }
@@ -49,6 +61,12 @@ fn made(answer: &Answer, run: &Run, scene: &PlanScene) -> String {
     })
 }
 
+/// A body of as many triangles as those of the scene, each a metre wide.
+fn body(name: &str) -> ShotBody {
+    let corners = vec![[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]; 900];
+    ShotBody { name: name.to_owned(), corners }
+}
+
 #[test]
 fn every_contact_has_a_picture() {
     let (answer, run, scene) = ranked();
@@ -56,7 +74,6 @@ fn every_contact_has_a_picture() {
     assert_eq!(shots.len(), 2, "the walker, and then the suv");
     assert!(shots.iter().all(|shot| shot.candidate == "go on" && shot.patch.is_some()));
     assert!(shots.iter().all(|shot| shot.hits.iter().all(|hits| !hits.is_empty())));
-    let body = |name: &str| ShotBody { name: name.to_owned(), corners: vec![[[0.0; 3]; 3]; 900] };
     let bodies = ["sedan", "suv", "pedestrian"].map(body);
     let text = page(&PlanPage {
         scenario: "pictures",
@@ -83,7 +100,7 @@ fn the_answer_stands_first_and_who_touches_nobody_before_all_others() {
         let place_of = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is missing"));
         assert!(page.contains("<title>Touches nobody: creep</title>"));
         assert!(!page.contains("Least harm"), "one way hits nobody");
-        let order = ["<h1>", "How sure", "The ranking", "id=\"plan\"", "For engineers"];
+        let order = ["<h1>", "How sure", "id=\"plan\"", "The ranking", "For engineers"];
         assert!(order.windows(2).all(|pair| place_of(pair[0]) < place_of(pair[1])));
         assert!(place_of("<td><bdi>creep</bdi>") < place_of("<td><bdi>go on</bdi>"));
         // The plan opens on it: it is the second of the scenario.
@@ -95,6 +112,7 @@ fn the_answer_stands_first_and_who_touches_nobody_before_all_others() {
         answer.ranking.reverse();
     }
     answer.ranking.retain(|row| !row.touches_nobody());
+    answer.tie_class = vec!["go on".to_owned()];
     assert!(made(&answer, &run, &scene).contains("<title>Least harm: go on</title>"));
     answer.ranking.clear();
     assert!(made(&answer, &run, &scene).contains("<title>Nothing to rank</title>"));
@@ -117,8 +135,12 @@ fn every_contact_is_said_with_its_figures_and_drawn() {
             assert!(page.contains(&said), "{said}");
         }
     }
-    assert_eq!(page.matches("class=\"hit\"").count(), 2);
-    assert_eq!(page.matches("class=\"way out\"").count(), 1, "one run-out, after the suv");
+    // Once for the screen, and once for paper, where the candidate has a drawing of its own.
+    let (screen, paper) = page.split_once("The ranking").expect("the drawing stands before");
+    for drawing in [screen, paper] {
+        assert_eq!(drawing.matches("class=\"hit\"").count(), 2);
+        assert_eq!(drawing.matches("class=\"way out\"").count(), 1, "after the suv");
+    }
 }
 
 #[test]
@@ -134,7 +156,7 @@ fn the_script_gets_the_scene_as_it_is() {
 
 #[test]
 fn no_text_of_a_strangers_becomes_markup_or_turns_what_follows() {
-    let (mut answer, run, mut scene) = ranked();
+    let (mut answer, run, mut scene) = ranked_in_members();
     let long = "long ".repeat(300);
     let hostile = ["</script><b>hit", "\"'><i>\n", "\u{202e}\u{2066}<u>", &long];
     for (k, bad) in hostile.iter().enumerate() {
@@ -148,16 +170,29 @@ fn no_text_of_a_strangers_becomes_markup_or_turns_what_follows() {
                 contact.party = (*bad).to_owned();
                 contact.parts[0].push((*bad).to_owned());
             }
+            for met in row.expected.iter_mut().flat_map(|of| &mut of.meets) {
+                met.party = (*bad).to_owned();
+            }
         }
+        answer.tie_class = vec![(*bad).to_owned(); 9];
         scene.parties.iter_mut().for_each(|party| party.name = (*bad).to_owned());
-        let page = made(&answer, &run, &scene);
+        let page = page(&PlanPage {
+            scenario: bad,
+            answer: &answer,
+            work: &WorkDone::of_run(&run),
+            scene: &scene,
+            bodies: &["sedan", "suv", "pedestrian"].map(body),
+            shots: &pictures::all_shots(&scene, &answer),
+            explanation: Some(bad),
+        });
         let (markup, rest) = page.split_once("<script type").expect("data follows");
+        let (rest, _) = rest.split_once("</script>").expect("its end");
         for wrong in ["<script>alert", "<b>hit", "<i>", "<u>", "</script>\""] {
             assert!(!markup.contains(wrong) && !rest.contains(wrong), "{wrong}");
         }
         assert!(!markup.contains(['\u{202e}', '\u{2066}']));
-        // Opened and closed: data, script.
-        assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (2, 2));
+        // Opened and closed: data, plan, library, view.
+        assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (4, 4));
         let drawing = &markup[markup.find("<svg").expect("a drawing")..];
         let texts = drawing.split("<tspan>").skip(1);
         assert!(texts.clone().count() > 0);
@@ -225,4 +260,200 @@ fn a_track_is_linear_between_samples_and_still_after_the_last() {
     for (time_s, x) in [(-1.0, 0.0), (0.0, 0.0), (0.5, 1.0), (2.0, 4.0), (9.0, 4.0)] {
         assert_eq!(pose_at(&track, time_s)[1..3], [x, 2.0], "after {time_s} s");
     }
+}
+
+/// What is done to an answer.
+type ChangeOfAnswer = fn(&mut Answer);
+
+/// The words as a reader sees them, wherever they stand.
+fn says_least_harm(page: &str) -> bool {
+    page.to_lowercase().contains("least harm")
+}
+
+#[test]
+fn least_harm_is_said_only_where_that_is_so() {
+    let (mut answer, run, scene) = ranked_in_members();
+    answer.ranking.retain(|row| !row.touches_nobody());
+    answer.tie_class = vec!["go on".to_owned()];
+    answer.state = AnswerState::Complete;
+    let mut lead = answer.members.expect("members").lead.unwrap_or_default();
+    (lead.mean, lead.error) = (0.1, 0.001);
+    answer.members.as_mut().expect("members").lead = Some(lead);
+    answer.ranking[0].expected.as_mut().expect("of members").worlds = Some(1.0);
+    assert!(says_least_harm(&made(&answer, &run, &scene)));
+    assert!(verdict(&answer).1);
+    // Each of these alone takes the words away.
+    let changes: [(&str, ChangeOfAnswer); 6] = [
+        ("tied", |answer| answer.tie_class.push("another".to_owned())),
+        ("degraded", |answer| answer.state = AnswerState::Degraded),
+        ("refused", |answer| answer.state = AnswerState::Refused),
+        ("too close", |answer| {
+            let lead = answer.members.as_mut().and_then(|members| members.lead.as_mut());
+            lead.expect("a lead").error = 9.0;
+        }),
+        ("worlds", |answer| {
+            answer.ranking[0].expected.as_mut().expect("of members").worlds = Some(0.6);
+        }),
+        ("nothing", |answer| answer.ranking.clear()),
+    ];
+    for (what, change) in changes {
+        let mut changed = answer.clone();
+        change(&mut changed);
+        let page = made(&changed, &run, &scene);
+        assert!(!says_least_harm(&page), "{what}: {}", head::title(&rows(&changed), &changed));
+        assert!(!verdict(&changed).1, "{what}");
+    }
+}
+
+#[test]
+fn the_page_opens_on_the_first_candidate_in_3d_too() {
+    let (answer, run, scene) = ranked();
+    let shots = pictures::all_shots(&scene, &answer);
+    assert!(!shots[0].is_contact(), "who touches nobody is shown where it is nearest");
+    let page = page(&PlanPage {
+        scenario: "pictures",
+        answer: &answer,
+        work: &WorkDone::of_run(&run),
+        scene: &scene,
+        bodies: &["sedan", "suv", "pedestrian"].map(body),
+        // The order of shots is not that of the page.
+        shots: &shots.iter().rev().cloned().collect::<Vec<_>>(),
+        explanation: None,
+    });
+    let begin = page.find("id=\"data\">").expect("data") + "id=\"data\">".len();
+    let end = begin + page[begin..].find("</script>").expect("its end");
+    let data: serde_json::Value = serde_json::from_str(&page[begin..end]).expect("JSON");
+    let courses: Vec<_> = data["shots"].as_array().expect("a list").iter().collect();
+    assert_eq!(courses.len(), 3);
+    // "creep" is the second of the scenario.
+    assert_eq!(courses[0]["course"], 1);
+    assert_eq!(courses[0]["is_nearest"], true);
+    assert!(courses[1..].iter().all(|shot| shot["course"] == 0));
+    assert!(page.contains("<option value=\"1\" selected>creep</option>"));
+    // A still of each: of the contacts, and of the nearest.
+    assert_eq!(page.matches("<img class=\"still\"").count(), 3);
+}
+
+#[test]
+fn what_there_is_nothing_to_tell_of_is_one_line() {
+    let (mut answer, run, scene) = ranked();
+    let creep = answer.ranking[0].clone();
+    assert!(creep.touches_nobody());
+    for k in 0..5 {
+        let name = format!("creep on {k}");
+        answer.ranking.insert(1, CourseRow { name, ..creep.clone() });
+    }
+    let contact = &mut answer.ranking.last_mut().expect("go on").contacts[0];
+    let mut nobody = contact.persons[0].clone();
+    nobody.work = creep.work;
+    nobody.range = creep.range;
+    contact.persons.extend([nobody.clone(), nobody.clone(), nobody]);
+    let page = made(&answer, &run, &scene);
+    assert_eq!(page.matches("class=\"fold\"").count(), 1);
+    assert!(page.contains("<td>2–6</td><td colspan=\"5\">5 more touch nobody"));
+    assert!(page.contains("<h2>5 more touch nobody</h2>"));
+    assert_eq!(page.matches("<section class=\"course\">").count(), 3, "the first, these, go on");
+    assert!(page.contains("3 more persons are at no risk.</p>"));
+    assert!(!page.contains(": 0 % risk"));
+    for k in 0..5 {
+        assert!(page.contains(&format!("<b><bdi>creep on {k}</bdi>.</b>")), "it opens");
+    }
+}
+
+/// The texts of a drawing that a reader sees, and what each takes, as wide as the widest font makes
+/// it.
+fn texts(drawing: &str) -> Vec<(String, [f64; 4])> {
+    let mut texts = Vec::new();
+    let mut hidden = 0_usize;
+    let mut depth: Vec<bool> = Vec::new();
+    for tag in drawing.split('<').skip(1) {
+        if tag.starts_with("g ") || tag.starts_with("g>") {
+            let is_hidden = tag.contains("display:none");
+            depth.push(is_hidden);
+            hidden += usize::from(is_hidden);
+        } else if tag.starts_with("/g>") {
+            hidden -= usize::from(depth.pop().expect("it was opened"));
+        } else if tag.starts_with("text") && hidden == 0 {
+            let (head, text) = tag.split_once('>').expect("closed");
+            let value = |name: &str| {
+                let (_, rest) = head.split_once(&format!(" {name}=\""))?;
+                Some(rest.split('"').next().expect("closed").to_owned())
+            };
+            let number = |name: &str| value(name).and_then(|text| text.parse::<f64>().ok());
+            let moved = value("transform").map_or([0.0; 2], |text| {
+                let inside = text.trim_start_matches("translate(").trim_end_matches(')');
+                let (x, y) = inside.split_once(' ').expect("two");
+                [x, y].map(|text| text.parse::<f64>().expect("a number"))
+            });
+            let at = drawing.find(tag).expect("it is there");
+            let whole = drawing[at..].split_once("</text>").expect("closed").0;
+            let inner: String =
+                whole[head.len() + 1..].replace("<tspan>", "").replace("</tspan>", "");
+            let wide = 8.0 * inner.chars().count() as f64;
+            let [x, y] = [number("x"), number("y")].map(|at| at.expect("a place"));
+            let left = x + moved[0]
+                - wide
+                    * match value("text-anchor").as_deref() {
+                        Some("middle") => 0.5,
+                        Some("end") => 1.0,
+                        _ => 0.0,
+                    };
+            let base = y + moved[1];
+            assert!(!text.is_empty());
+            texts.push((inner, [left, base - 13.0, left + wide, base + 4.0]));
+        }
+    }
+    texts
+}
+
+#[test]
+fn no_label_of_a_drawing_covers_another() {
+    let mut seen = 0;
+    for name in ["crossing", "four", "wall-or-pole"] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join(format!("../../config/scenarios/{name}.toml"));
+        let (answer, _, scene) = ranked_of(&Scenario::open(&file).expect("sound"));
+        let window = PlanWindow::of(&scene);
+        for k in 0..answer.ranking.len() {
+            for made_for in [drawing::Use::Screen, drawing::Use::Paper] {
+                let drawn = drawing::svg(&scene, &window, k, made_for, "a drawing");
+                let texts = texts(&drawn);
+                seen += texts.len();
+                for (at, (text, room)) in texts.iter().enumerate() {
+                    for (other, taken) in &texts[..at] {
+                        assert!(!overlap(room, taken), "{name} {k}: {text:?} and {other:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(seen > 50, "{seen} texts were compared");
+}
+
+#[test]
+fn a_page_is_made_for_paper() {
+    let (answer, run, scene) = ranked();
+    let page = made(&answer, &run, &scene);
+    let (_, print) = page.split_once("@media print {").expect("rules for paper");
+    for rule in [".course { break-before: page; }", "break-inside: avoid", "background: #fff"] {
+        assert!(print.contains(rule), "{rule}");
+    }
+    // Every candidate but the first has its drawing on paper.
+    assert_eq!(page.matches("<div class=\"paper\"><svg class=\"plan\"").count(), 1);
+}
+
+#[test]
+fn paths_of_all_members_are_drawn() {
+    let (answer, run, scene) = ranked_in_members();
+    let page = made(&answer, &run, &scene);
+    let (screen, _) = page.split_once("The ranking").expect("the drawing stands before");
+    // Four members of each of two candidates.
+    assert_eq!(screen.matches("class=\"thread own\"").count(), 8);
+    assert!(page.contains("the paths of 4 members"));
+    // A strip for whoever harms somebody, and a line for the others.
+    let harms = |row: &&CourseRow| row.expected.as_ref().expect("of members").injured.hi() > 0.0;
+    let harmful = answer.ranking.iter().filter(harms).count();
+    assert!(harmful == 1, "{harmful}");
+    assert_eq!(page.matches("<svg class=\"strip\"").count(), 1);
+    assert!(page.contains("<p>No harm in any member: <bdi>creep</bdi>.</p>"));
 }

@@ -1,0 +1,201 @@
+//! The answer in words, before everything else.
+
+use super::{PlanPage, bdi, folded, name};
+use crate::html::percent;
+use std::fmt::Write as _;
+use trolley::{Answer, AnswerState, CourseRow};
+
+/// Won in fewer of the worlds that the model allows, a candidate is not called the least harm: the
+/// usual level of confidence.
+const WORLDS_SURE: f64 = 0.95;
+
+/// Whether the first candidate does least harm for all that is known: nothing open can change it,
+/// the model tells it from all others, and neither chance nor what the model does not know would
+/// often have another one first.
+pub(super) fn is_least_harm(answer: &Answer) -> bool {
+    let Some(first) = answer.best() else { return false };
+    let is_done = matches!(answer.state, AnswerState::Complete | AnswerState::Certified);
+    let is_alone = answer.tie_class.iter().all(|tied| *tied == first.name);
+    is_done && is_alone && !is_close(answer) && won(answer).is_none_or(|won| won >= WORLDS_SURE)
+}
+
+/// Whether members leave the best two too close to call.
+fn is_close(answer: &Answer) -> bool {
+    answer.members.as_ref().and_then(|members| members.lead).is_some_and(|lead| lead.is_close())
+}
+
+/// The share of worlds that the first wins.
+fn won(answer: &Answer) -> Option<f64> {
+    answer.ranking.first().and_then(|row| row.expected.as_ref()?.worlds)
+}
+
+/// What the answer says of the candidate that the page opens on.
+pub(super) fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
+    let Some((_, first)) = rows.first() else { return "Nothing to rank".to_owned() };
+    let first_name = &first.name;
+    if answer.refusal().is_some() {
+        return "No way is acceptable under the policy".to_owned();
+    }
+    if first.touches_nobody() {
+        return format!("Touches nobody: {first_name}");
+    }
+    let tied = answer.tie_class.iter().filter(|tied| *tied != first_name).count();
+    match answer.state {
+        AnswerState::Refused => "Not known which way is best".to_owned(),
+        AnswerState::Degraded => format!("First, as far as is known: {first_name}"),
+        _ if is_least_harm(answer) => format!("Least harm: {first_name}"),
+        _ if tied > 0 => {
+            format!("First of {} that the model cannot tell apart: {first_name}", tied + 1)
+        }
+        _ if is_close(answer) => format!("First, but too close to call: {first_name}"),
+        _ => {
+            let won = 100.0 * won(answer).unwrap_or_default();
+            format!("First in {won:.0} % of the worlds that the model allows: {first_name}")
+        }
+    }
+}
+
+/// The answer in words: what was asked, what came out, how sure, why, by whose rule.
+pub(super) fn head(
+    page: &PlanPage<'_>,
+    rows: &[(usize, &CourseRow)],
+    title: &str,
+    body: &mut String,
+) {
+    let PlanPage { scenario, answer, .. } = page;
+    let count = rows.len();
+    let free = rows.iter().filter(|(_, row)| row.touches_nobody()).count();
+    let _w = write!(
+        body,
+        "<header><p class=\"asked\">{}. {count} way{} left; {}.</p><h1>{}</h1>\
+         <dl class=\"verdict\">",
+        bdi(scenario.trim_end_matches('.')),
+        if count == 1 { " is" } else { "s are" },
+        match free {
+            0 if rows.iter().any(|(_, row)| row.hits_nobody()) => {
+                "none is free of contact from the start on".to_owned()
+            }
+            0 => "each hits somebody, as far as is known".to_owned(),
+            1 => "1 touches nobody".to_owned(),
+            free => format!("{free} touch nobody"),
+        },
+        bdi(title)
+    );
+    let mut say = |term: &str, text: String| {
+        let _w = write!(body, "<dt>{term}</dt><dd>{text}</dd>");
+    };
+    if let Some(refusal) = answer.refusal() {
+        say("What the policy says", format!("{}.", name(&refusal.sentence())));
+    } else if let Some((_, first)) = rows.first() {
+        say("What happens", happens(first));
+    }
+    let mut sure = match answer.state {
+        AnswerState::Complete => "<b>Complete.</b> All work is done.",
+        AnswerState::Certified => {
+            "<b>Certified.</b> Not all work is done, but none of the rest can change the winner."
+        }
+        AnswerState::Degraded => "<b>Degraded.</b> Missing work could change the winner.",
+        AnswerState::Refused => "<b>Refused.</b> No candidate has a bound.",
+    }
+    .to_owned();
+    let first = answer.ranking.first();
+    let is_first = |name: &str| first.is_some_and(|row| row.name == name);
+    let ties: Vec<String> =
+        answer.tie_class.iter().filter(|one| !is_first(one)).map(|one| bdi(one)).collect();
+    if !ties.is_empty() {
+        let said = format!("Within the range of the model as good: {}.", ties.join(", "));
+        sure.push_str(&folded(&said, ties.len(), "as good within the range of the model"));
+    }
+    let won = first.and_then(|row| row.expected.as_ref()?.worlds);
+    // Who touches nobody in any member does no harm in any world.
+    let is_free = first.is_some_and(CourseRow::touches_nobody);
+    if let (Some(won), Some(worlds), false) = (won, &answer.worlds, is_free) {
+        let _w = write!(
+            sure,
+            " It wins in {:.0} % of {} worlds that the model allows.",
+            100.0 * won,
+            worlds.count
+        );
+    }
+    if let Some(lead) = answer.members.as_ref().and_then(|members| members.lead) {
+        let (mean, error) = (percent(lead.mean), percent(lead.error));
+        let chance = if lead.is_close() { "may be chance" } else { "more than chance" };
+        if lead.mean == 0.0 && lead.error == 0.0 {
+            sure.push_str(" The second is as good in every member.");
+        } else {
+            let _w = write!(
+                sure,
+                " In the mean over members the second is {mean} % worse, give or take {error} %: \
+                 {chance}."
+            );
+        }
+    }
+    say("How sure", sure);
+    if let Some(first) = first {
+        if answer.refusal().is_some() {
+            say("First in order", bdi(&first.name));
+        } else if rows.first().is_some_and(|(place, _)| *place > 0) {
+            say("First under the policy", bdi(&first.name));
+        }
+        if let Some(why) = &first.why {
+            say("Why", format!("{}.", name(why.trim_end_matches('.'))));
+        }
+    }
+    say(
+        "Whose rule",
+        format!("The policy “{}”; harm is its leading measure.", bdi(&answer.policy)),
+    );
+    body.push_str("</dl>");
+    let implausible =
+        answer.implausible.iter().map(|one| format!("Implausible: {}", one.sentence()));
+    let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
+    let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
+    let notes = answer.notes.iter().filter(|note| !note.is_refusal());
+    let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
+    for remark in implausible.chain(missing).chain(assumed).chain(notes) {
+        let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
+    }
+    body.push_str("</header>");
+}
+
+/// What a way comes to, in a sentence or two.
+pub(super) fn happens(row: &CourseRow) -> String {
+    let mut text = match (row.contacts.as_slice(), row.open_from_s) {
+        ([], None) if row.expected.is_some() && !row.touches_nobody() => {
+            "In the scene as stated it touches nobody.".to_owned()
+        }
+        ([], None) if !row.touches_nobody() => {
+            "It hits nobody, but is or may be in contact at the start: see its notes.".to_owned()
+        }
+        ([], None) => "It touches nobody until the end of its way: proven for every triangle and \
+                       every time."
+            .to_owned(),
+        ([], Some(from_s)) => format!("After {from_s:.2} s it is not known what happens."),
+        (contacts, _) => {
+            let said = contacts
+                .iter()
+                .map(|contact| format!("{} after {:.2} s", bdi(&contact.party), contact.time_s));
+            format!("It meets {}.", said.collect::<Vec<_>>().join(", then "))
+        }
+    };
+    if let Some(near) = row.nearest.as_ref().filter(|_| row.contacts.is_empty()) {
+        let _w = write!(
+            text,
+            " It comes nearest to {}: {:.2} m in plan at {:.2} s.",
+            bdi(&near.party),
+            near.gap_m,
+            near.time_s
+        );
+    }
+    for other in &row.alternatives {
+        let _w = write!(
+            text,
+            " But if {} takes path {} (probability {:.2}), it is met after {:.2} s.",
+            bdi(&other.party),
+            other.path,
+            other.probability,
+            other.time_s
+        );
+    }
+    text
+}

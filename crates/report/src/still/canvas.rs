@@ -1,0 +1,184 @@
+//! A picture in the making: lines, rings and labels that do not cover each other.
+
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+/// Height of letters.
+const LETTERS: RasterHeight = RasterHeight::Size20;
+/// What shows through around letters.
+const HALO: [f64; 3] = [255.0, 255.0, 255.0];
+/// Letters of a label, at most.
+const LETTERS_MAX: usize = 24;
+/// What is drawn for a letter that the font lacks.
+const UNKNOWN: char = '?';
+
+/// Pixels, and the rectangles that labels have taken: left, top, right, bottom.
+pub(super) struct Canvas {
+    size: [usize; 2],
+    pixels: Vec<[f64; 3]>,
+    taken: Vec<[f64; 4]>,
+}
+
+impl Canvas {
+    pub(super) fn new(size: [usize; 2], pixels: Vec<[f64; 3]>) -> Self {
+        Self { size, pixels, taken: Vec::new() }
+    }
+
+    /// Three bytes a pixel.
+    pub(super) fn bytes(self) -> Vec<u8> {
+        self.pixels.into_iter().flatten().map(|part| part.round().clamp(0.0, 255.0) as u8).collect()
+    }
+
+    /// Lays a colour over a pixel, as strong as `share`.
+    fn mix(&mut self, [x, y]: [i64; 2], colour: [f64; 3], share: f64) {
+        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
+        if x < self.size[0] && y < self.size[1] {
+            let pixel = &mut self.pixels[y * self.size[0] + x];
+            *pixel = [0, 1, 2].map(|c| pixel[c] + share * (colour[c] - pixel[c]));
+        }
+    }
+
+    /// Keeps labels away from a line.
+    pub(super) fn keep_clear(&mut self, [a, b, _]: [f64; 3], [c, d, _]: [f64; 3]) {
+        for step in 0..=16 {
+            let share = f64::from(step) / 16.0;
+            let (x, y) = (a + share * (c - a), b + share * (d - b));
+            self.taken.push([x - 5.0, y - 5.0, x + 5.0, y + 5.0]);
+        }
+    }
+
+    /// A line, two pixels wide.
+    pub(super) fn line(&mut self, [a, b, _]: [f64; 3], [c, d, _]: [f64; 3], colour: [f64; 3]) {
+        let steps = (2.0 * (c - a).abs().max((d - b).abs())).ceil().clamp(1.0, 20_000.0);
+        for step in 0..=steps as u32 {
+            let share = f64::from(step) / steps;
+            let (x, y) = (a + share * (c - a), b + share * (d - b));
+            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                self.mix([x.floor() as i64 + i, y.floor() as i64 + j], colour, 1.0);
+            }
+        }
+    }
+
+    /// A circle three pixels wide with a light edge.
+    pub(super) fn circle(&mut self, [x, y]: [f64; 2], radius: f64, colour: [f64; 3]) {
+        let reach = (radius + 5.0).ceil().min(20_000.0) as i64;
+        for j in -reach..=reach {
+            for i in -reach..=reach {
+                let at = [x.floor() as i64 + i, y.floor() as i64 + j];
+                let from = f64::hypot(at[0] as f64 + 0.5 - x, at[1] as f64 + 0.5 - y);
+                let off = (from - radius).abs();
+                // Full within the width, and one pixel of transition.
+                self.mix(at, HALO, (3.5 - off).clamp(0.0, 1.0) * 0.8);
+                self.mix(at, colour, (2.0 - off).clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// A text beside a point, `by` pixels away, where no other label is; its rectangle, which lies
+    /// in the picture. `None`: there is no room.
+    pub(super) fn label(
+        &mut self,
+        [x, y]: [f64; 2],
+        by: f64,
+        text: &str,
+        colour: [f64; 3],
+    ) -> Option<[f64; 4]> {
+        let letters: Vec<char> = cut(text);
+        let width = (letters.len() * get_raster_width(FontWeight::Regular, LETTERS)) as f64;
+        let height = LETTERS.val() as f64;
+        let tries = (0..6).flat_map(|ring| {
+            let by = by + 0.8 * height * f64::from(ring);
+            [
+                [x - 0.5 * width, y - by - height],
+                [x - 0.5 * width, y + by],
+                [x + by, y - 0.5 * height],
+                [x - by - width, y - 0.5 * height],
+            ]
+        });
+        let size = self.size.map(|size| size as f64);
+        // A point at the edge of the picture has its label inside.
+        let inside = |[left, top]: [f64; 2]| {
+            let left = left.clamp(4.0, (size[0] - width - 4.0).max(4.0)).round();
+            let top = top.clamp(4.0, (size[1] - height - 4.0).max(4.0)).round();
+            [left, top, left + width, top + height]
+        };
+        let is_free = |room: &[f64; 4]| {
+            let apart = |a: &[f64; 4]| {
+                a[0] - 3.0 >= room[2] || room[0] >= a[2] + 3.0 || a[1] >= room[3] || room[1] >= a[3]
+            };
+            room[2] <= size[0] && room[3] <= size[1] && self.taken.iter().all(apart)
+        };
+        let room = tries.map(inside).find(is_free)?;
+        self.taken.push(room);
+        let lead = [room[0].max(x.min(room[2])), if y < room[1] { room[1] } else { room[3] }];
+        let is_beside = y >= room[1] && y <= room[3];
+        if !is_beside && f64::hypot(lead[0] - x, lead[1] - y) > 2.0 * height {
+            self.line([x, y, 0.0], [lead[0], lead[1], 0.0], colour);
+        }
+        self.write(&letters, [room[0], room[1]], colour);
+        Some(room)
+    }
+
+    fn write(&mut self, letters: &[char], [left, top]: [f64; 2], colour: [f64; 3]) {
+        let mut strokes: Vec<([i64; 2], f64)> = Vec::new();
+        for (number, letter) in letters.iter().enumerate() {
+            let raster = |c: char| get_raster(c, FontWeight::Regular, LETTERS);
+            let Some(raster) = raster(*letter).or_else(|| raster(UNKNOWN)) else { continue };
+            let x = left as i64 + (number * raster.width()) as i64;
+            for (j, row) in raster.rows().enumerate() {
+                let marks = row.iter().enumerate().filter(|(_, strength)| **strength > 0);
+                strokes.extend(marks.map(|(i, strength)| {
+                    ([x + i as i64, top as i64 + j as i64], f64::from(*strength) / 255.0)
+                }));
+            }
+        }
+        for ([x, y], strength) in &strokes {
+            for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1, 1), (1, -1)] {
+                self.mix([x + i, y + j], HALO, 0.7 * strength);
+            }
+        }
+        for (at, strength) in strokes {
+            self.mix(at, colour, strength);
+        }
+    }
+}
+
+/// At most so many letters, and the last one says that some are missing.
+fn cut(text: &str) -> Vec<char> {
+    let mut letters: Vec<char> = text.chars().take(LETTERS_MAX + 1).collect();
+    if letters.len() > LETTERS_MAX {
+        letters.truncate(LETTERS_MAX - 2);
+        letters.extend(['.', '.']);
+    }
+    letters
+}
+
+#[cfg(test)]
+mod tests {
+    //! Labels lie in the picture and do not cover each other, whatever they say.
+
+    use super::*;
+    use geometry::rng::Rng;
+
+    #[test]
+    fn labels_lie_inside_and_apart() {
+        let mut rng = Rng::new(5);
+        for _ in 0..50 {
+            let size = [300, 200];
+            let mut canvas = Canvas::new(size, vec![[250.0; 3]; 300 * 200]);
+            let mut kept: Vec<[f64; 4]> = Vec::new();
+            for text in ["suv", "a very long name of somebody who is met", "\u{4e09}\u{202e}", ""] {
+                let at = [rng.between(-50.0, 350.0), rng.between(-50.0, 250.0)];
+                let Some(room) = canvas.label(at, 10.0, text, [0.0; 3]) else { continue };
+                assert!(room[0] >= 0.0 && room[1] >= 0.0, "{room:?}");
+                assert!(room[2] <= 300.0 && room[3] <= 200.0, "{room:?}");
+                let apart = |a: &[f64; 4]| {
+                    a[0] >= room[2] || room[0] >= a[2] || a[1] >= room[3] || room[1] >= a[3]
+                };
+                assert!(kept.iter().all(apart), "{kept:?} {room:?}");
+                kept.push(room);
+            }
+            assert!(kept.len() >= 2);
+            assert_eq!(canvas.bytes().len(), 300 * 200 * 3);
+        }
+    }
+}
