@@ -80,6 +80,52 @@ fn expected_harm_has_no_cliff() {
     }
 }
 
+/// An oncoming car passes farther and farther aside.
+#[test]
+fn expected_harm_has_no_cliff_beside_an_oncoming_car() {
+    let sedan = body(Shape::Sedan, 900);
+    let harm = |y: f64| {
+        let comes =
+            format!("state = {{ position_m = [60, {y:?}, 0], yaw_deg = 180, speed_m_s = 15 }}");
+        let comes = party("comes", "sedan", &comes);
+        let text = format!("members = 32\nmembers_max = 32\n{}{comes}{}", ego(), go_on(20.0));
+        ranked(&text, &[&sedan, &sedan]).ranking[0].work.hi()
+    };
+    let series: Vec<f64> = (14..=18).map(|k| harm(0.1 * f64::from(k))).collect();
+    let most = series.iter().copied().fold(0.0, f64::max);
+    assert!(most > 0.0);
+    for pair in series.windows(2) {
+        assert!((pair[1] - pair[0]).abs() < 0.3 * most, "{series:?}");
+    }
+}
+
+/// Three ways into equal cars, at three speeds: which is best is hardly in doubt.
+#[test]
+fn equal_crashes_at_three_speeds_are_told_apart() {
+    let sedan = body(Shape::Sedan, 900);
+    let stands =
+        |x: f64, y: f64| format!("place = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = 180 }}");
+    // Each way goes along a lane of its own, and the car that stands there is met at its speed.
+    let lanes = [(10.0, -8.0), (15.0, 0.0), (20.0, 8.0)];
+    let mut text = format!("members = 32\nmembers_max = 32\nhorizon_s = 4\n{}", ego());
+    for (number, (_, y)) in lanes.iter().enumerate() {
+        text += &party(&format!("p{number}"), "sedan", &stands(40.0, *y));
+    }
+    for (speed_m_s, y) in lanes {
+        text += &format!(
+            "[[candidates]]\nname = \"{speed_m_s}\"\npath = {{ states = [ {{ t_s = 0, position_m = \
+             [0, 0, 0] }}, {{ t_s = 1, position_m = [15, {y:?}, 0] }}, {{ t_s = {:?}, position_m = \
+             [45, {y:?}, 0] }} ] }}\n",
+            1.0 + 30.0 / speed_m_s
+        );
+    }
+    let answer = ranked(&text, &[&sedan, &sedan, &sedan, &sedan]);
+    let names: Vec<&str> = answer.ranking.iter().map(|row| row.name.as_str()).collect();
+    assert_eq!(names, ["10", "15", "20"], "{answer:#?}");
+    let best = answer.ranking[0].expected.as_ref().and_then(|of| of.spread).expect("known");
+    assert!(best.best >= 0.99, "{best:?}");
+}
+
 /// Predicted paths are taken as often as they are probable.
 #[test]
 fn paths_are_taken_by_their_probability() {
