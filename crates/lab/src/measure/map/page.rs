@@ -139,7 +139,8 @@ fn figures_of_the_paper(map: &Map, say: &mut impl FnMut(&str)) {
          (left), and on ours, sixteen a request (right). The paper does not state the memory of \
          a core. The one drawn, {} % of both bodies with a buffer of {buffer}, is where running \
          out of memory comes nearest to its words: the most depths at which only random or \
-         lowest match run out, and the fewest at which only best match does. A line is cut where \
+         lowest match run out, and the fewest at which only best match does, where that leaves \
+         half of the line of best match-load. A line is cut where \
          it thrashes: waiting for virtual memory at least doubles the time.\n",
         map.grid.memories[memory]
     ));

@@ -142,6 +142,11 @@ pub(super) fn usual(machine: Machine, subject: Subject) -> SheetKey {
     SheetKey { machine, subject, is_single: false, cores: CORES, buffer: BUFFER }
 }
 
+/// Whether waiting for virtual memory at least doubles the time.
+fn thrashes(point: &Point, ample: &Point) -> bool {
+    point.time_us.mean > 2.0 * ample.time_us.mean
+}
+
 /// The memory (its number) and buffer at which the paper's figures are drawn: where memory runs
 /// out, and most nearly as it says, over both contacts of the middle size.
 pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
@@ -150,7 +155,7 @@ pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
     let mut found = (i64::MIN, (0, BUFFER));
     for buffer in &map.grid.buffers {
         for memory in 0..map.grid.memories.len() {
-            let (mut score, mut runs_out) = (0, false);
+            let (mut score, mut runs_out, mut is_cut) = (0, false, false);
             for is_deep in [true, false] {
                 let key = SheetKey {
                     buffer: *buffer,
@@ -159,6 +164,11 @@ pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
                 };
                 let Some(sheet) = map.sheets.get(&key) else { continue };
                 let curves = sheet.curves(byte, Some((Beyond::Swap, memory)));
+                let ample = sheet.curves(byte, None);
+                let line = curves.line(Scheme::BestMatchLoad);
+                let both = line.iter().zip(ample.line(Scheme::BestMatchLoad));
+                let cuts = both.filter(|((_, point), (_, ample))| thrashes(point, ample)).count();
+                is_cut |= 2 * cuts > line.len();
                 // Depths at which only those run out that the paper names, and only others.
                 for (depth, _) in curves.lines[0].iter().filter(|(depth, _)| *depth > 0) {
                     let out = |scheme| curves.at_depth(scheme, *depth).is_some_and(is_out);
@@ -168,7 +178,8 @@ pub(super) fn as_the_paper_says(map: &Map) -> (usize, u32) {
                     score += i64::from(named && !others) - i64::from(others && !named);
                 }
             }
-            if !runs_out {
+            // Of a line that is cut at most depths there is nothing to see.
+            if !runs_out || is_cut {
                 continue;
             }
             // Of equals, the one with most of its lines uncut.
@@ -202,9 +213,7 @@ pub(super) fn lines(map: &Map) -> Result<Vec<(String, Vec<u8>)>, Failure> {
                 let line = |scheme: Scheme| {
                     let both = curves.line(scheme).iter().zip(ample.line(scheme));
                     let points = both.map(|((depth, point), (_, ample))| {
-                        // It thrashes where waiting for virtual memory at least doubles the time.
-                        let thrashes = point.time_us.mean > 2.0 * ample.time_us.mean;
-                        let shown = (!cuts || !thrashes).then(|| value(point));
+                        let shown = (!cuts || !thrashes(point, ample)).then(|| value(point));
                         (f64::from(*depth), shown)
                     });
                     Line {
