@@ -172,7 +172,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         "# Gallery\n\nWritten by `cargo x gallery`. Every crash is simulated. Blue is the \
          ego, sand the other; red are\nthe triangles that intersect anywhere from first contact \
          on, shining through what hides them; the yellow\nframe is the contact patch, and a ring \
-         marks it. Lines on the ground are a metre apart. Bodies stand where the patch is \
+         marks it. Lines on the ground are a metre apart.\nBodies stand where the patch is \
          complete, 0.2 m after first contact.\n",
     );
     let demo = folder.join("demo");
