@@ -157,7 +157,8 @@ fn tables_agree(out: &Path, verdicts: &str) {
         }
     }
     let mut found = parquet_rows(&out.join("verdicts.parquet"), &[("byte_ns", 1)]);
-    (by_hand.sort(), found.sort());
+    by_hand.sort();
+    found.sort();
     assert_eq!(found, by_hand);
     // The product is full: every value of every axis with every other; but the largest bodies have
     // four cores alone.
@@ -203,7 +204,8 @@ fn tables_agree(out: &Path, verdicts: &str) {
         }
     }
     let mut in_points: Vec<String> = points.iter().map(|row| row[11..19].join(",")).collect();
-    (in_points.sort(), in_sheets.sort());
+    in_points.sort();
+    in_sheets.sort();
     assert!(sheets > 20 && in_points == in_sheets, "{sheets} sheets");
 }
 
