@@ -112,8 +112,8 @@ fn the_first_coordinate_says_who_is_first_at_a_crossing() {
     let lead: Vec<f64> = ego
         .iter()
         .zip(ego_aside)
-        .map(|(a, b)| a + b * -1.0)
-        .chain(other.iter().zip(other_aside).map(|(a, b)| a + b * -1.0))
+        .map(|(a, b)| a - b)
+        .chain(other.iter().zip(other_aside).map(|(a, b)| a - b))
         .collect();
     let cosine = dot(&first, &lead) / dot(&lead, &lead).sqrt();
     assert!(cosine.abs() > 0.97, "{cosine}: {first:?} {lead:?}");
