@@ -102,6 +102,7 @@ fn check_person(person: &Value, curves: &[Value], chain: &Value) -> f64 {
 const THREE: &str = r#"
 schema = "trolley.scenario/2"
 name = "three"
+members = 1
 [parties.ego]
 generate = { shape = "sedan", triangles = 900 }
 persons = [{ seat = "front-left" }]
@@ -132,7 +133,8 @@ fn every_figure_follows_from_those_before_it() {
     let three = place.write("three.toml", THREE);
     let (mut contacts, mut several) = (0, 0);
     for path in [crossing, three.to_str().unwrap()] {
-        let output = run(&["rank", path, "--json", "--explain", "--workers", "2"]);
+        let output =
+            run(&["rank", path, "--json", "--explain", "--workers", "2", "--members", "1"]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         let document = json(&output);
         let explanation = &document["explanation"];
@@ -198,7 +200,7 @@ fn every_figure_follows_from_those_before_it() {
         assert_eq!(explanation["names"][winner], rows[0]["name"]);
         assert!(stability["reserves"].as_array().unwrap().len() > 2 * curves.len());
         // What is not requested is not told.
-        let bare = run(&["rank", path, "--json", "--in-process"]);
+        let bare = run(&["rank", path, "--json", "--in-process", "--members", "1"]);
         assert_eq!(json(&bare)["explanation"], Value::Null);
     }
     assert!(contacts >= 7 && several >= 2, "{contacts} contacts, {several} persons in several");

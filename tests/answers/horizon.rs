@@ -41,7 +41,8 @@ fn text(([heading, ego], shape, [x, y, yaw], other): Crash, earlier_s: f64) -> S
         )
     };
     format!(
-        "schema = \"trolley.scenario/2\"\nname = \"early\"\nhorizon_s = 30\n[parties.ego]\n{}\n\
+        "schema = \"trolley.scenario/2\"\nname = \"early\"\nmembers = 1\nhorizon_s = 30\n\
+         [parties.ego]\n{}\n\
          [parties.other]\n{}\n{motion}\n[[candidates]]\nname = \"go on\"\nstate = {{ position_m = \
          [{a:?}, {b:?}, 0], yaw_deg = {heading:?}, speed_m_s = {ego:?} }}\n",
         body("sedan"),
@@ -98,12 +99,14 @@ fn every_crash_is_found_however_early_it_is_written() {
 fn bounds_of_a_late_answer_hold_the_finished_one() {
     let scenario = Scenario::open("../../config/scenarios/crossing.toml").unwrap();
     let mut engine = Engine::builder().in_process().build().unwrap();
-    let whole = engine.rank(&scenario, &Limits::default()).unwrap().answer;
+    // Parts of the members are no bounds on the mean over all.
+    let as_stated = Limits::default().with_members(1, None).unwrap();
+    let whole = engine.rank(&scenario, &as_stated).unwrap().answer;
     let mut states = std::collections::BTreeSet::new();
     // However busy the machine is, the last is enough.
     let dues_ms = (0..120).map(|step| 0.002 * 1.08_f64.powi(step)).chain([60_000.0]);
     for due_ms in dues_ms {
-        let limits = Limits::default().with_deadline_ms(due_ms).unwrap();
+        let limits = as_stated.with_deadline_ms(due_ms).unwrap();
         let late = engine.rank(&scenario, &limits).unwrap().answer;
         states.insert(late.state.name());
         for row in &late.ranking {
@@ -139,7 +142,10 @@ mod shared_data {
         let imported = import(&path, &TrafficOptions::default()).unwrap();
         let scenario = Scenario::parse("us101.toml", &imported.text).unwrap();
         let mut engine = Engine::builder().in_process().build().unwrap();
-        let answer = engine.rank(&scenario, &Limits::default()).unwrap().answer;
+        let answer = engine
+            .rank(&scenario, &Limits::default().with_members(1, None).unwrap())
+            .unwrap()
+            .answer;
         assert_eq!(answer.state, AnswerState::Complete);
         let row = answer.ranking.iter().find(|row| row.name == "go on, right 6").unwrap();
         let contact = &row.contacts[0];

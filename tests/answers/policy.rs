@@ -164,8 +164,8 @@ fn what_is_wrong_in_a_dossier_is_named_with_its_place_and_remedy() {
         ("../scenarios/small.toml", "../scenarios/none.toml", "none.toml"),
         ("../scenarios/small.toml", "board.toml", "board.toml"),
         ("../scenarios/small.toml", "../../etc/small.toml", "leads out of the folder"),
-        ("winner = \"go on\"", "winner = \"stop\"", "no candidate \"stop\""),
-        ("reason = \"with the horn", "because = \"with the horn", "because"),
+        ("winner = \"brake\"", "winner = \"stop\"", "no candidate \"stop\""),
+        ("reason = \"going on", "because = \"going on", "because"),
     ] {
         let (code, out, error) = signed.check(from, to, "2027-01-01");
         assert_eq!(code, Some(65), "{to}: {out}{error}");
@@ -257,7 +257,7 @@ fn among_equals_the_preferred_one_wins_wherever_it_stands() {
     let policy = "schema = 1\nname = \"lane\"\nboard = \"test\"\noutcome = \"mais3+\"\n\
         composition = \"lexicographic\"\nproperty = \"last\"\npreferred = [\"brake in lane\"]\n\
         tie_break = [\"brake-in-lane\", \"request\"]\n[[level]]\nrule = \"uninvolved\"\n";
-    let head = "schema = \"trolley.scenario/2\"\nname = \"Nothing near\"\n\
+    let head = "schema = \"trolley.scenario/2\"\nname = \"Nothing near\"\nmembers = 1\n\
         [parties.ego]\ngenerate = { shape = \"sedan\", triangles = 600 }\n\
         [parties.pole]\ngenerate = { shape = \"pole\", triangles = 600 }\n\
         place = { position_m = [400, 0, 0] }\n";

@@ -113,10 +113,10 @@ pub(crate) fn json(output: &Output) -> serde_json::Value {
     })
 }
 
-/// Six ways of a car among six parties: each way hits somebody but the last.
+/// Six ways of a car among six parties, as stated: each way hits somebody but the last.
 pub(crate) fn ways(triangles: u32) -> String {
     let mut text = format!(
-        "schema = \"trolley.scenario/2\"\nname = \"ways\"\nhorizon_s = 3\n\
+        "schema = \"trolley.scenario/2\"\nname = \"ways\"\nmembers = 1\nhorizon_s = 3\n\
          [parties.ego]\ngenerate = {{ shape = \"sedan\", triangles = {triangles} }}\n"
     );
     let parties = [
@@ -158,9 +158,9 @@ pub(crate) const DEPTH: &str = "17";
 pub(crate) fn heavy(triangles: u32) -> String {
     let body = format!("generate = {{ shape = \"sedan\", triangles = {triangles} }}");
     let mut text = format!(
-        "schema = \"trolley.scenario/2\"\nname = \"heavy\"\nhorizon_s = 1\n[parties.ego]\n{body}\n\
-         [parties.p0]\n{body}\nstate = {{ position_m = [4.0, 0.05, 0], yaw_deg = 175, \
-         speed_m_s = 12 }}\n"
+        "schema = \"trolley.scenario/2\"\nname = \"heavy\"\nmembers = 1\nhorizon_s = 1\n\
+         [parties.ego]\n{body}\n[parties.p0]\n{body}\nstate = {{ position_m = [4.0, 0.05, 0], \
+         yaw_deg = 175, speed_m_s = 12 }}\n"
     );
     for number in 0..16 {
         let speed = 15.0 + 0.1 * f64::from(number);
@@ -178,7 +178,7 @@ pub(crate) fn heavy(triangles: u32) -> String {
 pub(crate) fn long(triangles: u32) -> String {
     let body = format!("generate = {{ shape = \"sedan\", triangles = {triangles} }}");
     let mut text = format!(
-        "schema = \"trolley.scenario/2\"\nname = \"long\"\nhorizon_s = 5\n\
+        "schema = \"trolley.scenario/2\"\nname = \"long\"\nmembers = 1\nhorizon_s = 5\n\
          resolution_m = 0.00001\n[parties.ego]\n{body}\n"
     );
     for number in 0..8 {

@@ -230,8 +230,8 @@ impl DeadlineReport {
     pub fn text(&self) -> String {
         let [complete, certified, degraded, refused] = self.states;
         let mut text = format!(
-            "{} requests of {} candidates and {} others of {} bodies ({}), each due after {} ms (put \
-             together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
+            "{} requests of {} candidates and {} others of {} bodies ({}), each due after {} ms \
+             (put together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
              complete, {certified} certified, {degraded} degraded, {refused} refused.\n\n| later \
              than due by (ms) | answers |\n|--:|--:|\n",
             self.requests,

@@ -60,12 +60,12 @@ fn columns_are_principal_components() {
     let mut rng = Rng::new(34);
     let count = EGO_NORMALS + 2 * OF_OTHER_NORMALS;
     for _ in 0..50 {
-        let mut of = || rng.between(-1.0, 1.0);
+        let mut any = || rng.between(-1.0, 1.0);
         let gradients: Vec<Gradient> = (0..20)
             .map(|number| Gradient {
-                ego: [3.0 * of(), of(), 0.2 * of()],
+                ego: [3.0 * any(), any(), 0.2 * any()],
                 other: number % 2,
-                of_other: [of(), 0.5 * of(), 0.1 * of()],
+                of_other: [any(), 0.5 * any(), 0.1 * any()],
             })
             .collect();
         let explained = |vector: &[f64]| -> f64 {
