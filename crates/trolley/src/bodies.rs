@@ -350,12 +350,6 @@ pub fn generate(
     options: &BuildOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<body::Body, Failure> {
-    let (mesh, meta) = generated(shape, triangles, seed)?;
-    with_tree(mesh, meta, options, progress)
-}
-
-/// A generated body without its tree.
-pub(crate) fn generated(shape: Shape, triangles: u32, seed: u64) -> Result<(Mesh, Meta), Failure> {
     let mesh = shapes::generate(shape, triangles, seed)?;
     let origin = shapes::call(shape, triangles, seed);
     let hash = blake3::hash(origin.as_bytes()).to_hex();
@@ -366,7 +360,7 @@ pub(crate) fn generated(shape: Shape, triangles: u32, seed: u64) -> Result<(Mesh
         hash: hash.as_str(),
     };
     let meta = defaults::assemble(origin, &mesh);
-    Ok((mesh, meta))
+    with_tree(mesh, meta, options, progress)
 }
 
 /// Makes a body of a mesh: adds zones, and builds its tree. `progress` as in [`generate`].

@@ -301,6 +301,9 @@ impl Asking {
 
 /// Compares what a client was told with the answer of this process.
 fn judge(document: &Value, known: &Value) -> State {
+    // A late answer may be of fewer members: its means are no bounds on those of all.
+    let count = |of: &Value| of["members"]["count"].as_u64().unwrap_or(1);
+    let is_part = count(document) < count(known);
     let rows = |of: &Value| of["ranking"].as_array().cloned().unwrap_or_default();
     let (rows, known) = (rows(document), rows(known));
     let is_same = |key: &str| rows.iter().zip(&known).all(|(row, known)| row[key] == known[key]);
@@ -320,6 +323,7 @@ fn judge(document: &Value, known: &Value) -> State {
         {
             State::Wrong
         }
+        Some("degraded") if has_all && is_part => State::Degraded,
         Some("certified" | "degraded") if has_all && rows.iter().all(is_held) => State::Degraded,
         Some("refused" | "busy") => State::Refused,
         _ => State::Wrong,

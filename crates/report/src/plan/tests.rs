@@ -13,6 +13,7 @@ use trolley::{AnswerState, Engine, Limits, PlanSample, Run, Scenario};
 const SCENE: &str = r#"
 schema = "trolley.scenario/2"
 name = "A \"test\" <script>alert(1)</script>"
+members = 1
 horizon_s = 3
 [parties]
 ego = { generate = { shape = "sedan", triangles = 900 } }
