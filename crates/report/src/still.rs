@@ -1,9 +1,9 @@
 //! A shot as a PNG, drawn here: triangles with a depth buffer, flat shading, perspective.
 //!
 //! Four samples a pixel. Hit triangles are red and shine through what hides them, since the bodies
-//! overlap there; the patch is a yellow frame in front of everything, and a ring of at least
-//! [`RING`] pixels marks it however small it is. The ground has a grid of metres; a bar on it says
-//! how long some metres are there.
+//! overlap there; the patch is a yellow frame in front of everything, and a ring of a least size
+//! marks it however small it is. The ground has a grid of metres; a bar on it says how long some
+//! metres are there.
 
 use crate::glb::COLOURS;
 use crate::shot::{Shot, ShotBody};

@@ -37,7 +37,7 @@ fn ranked() -> (Answer, Run, PlanScene) {
 
 /// The same scene in members.
 fn ranked_in_members() -> (Answer, Run, PlanScene) {
-    let text = SCENE.replace("horizon_s = 3", "horizon_s = 3\nmembers = 4\nmembers_max = 4");
+    let text = SCENE.replace("members = 1", "members = 4\nmembers_max = 4");
     ranked_of(&Scenario::parse("test.toml", &text).expect("sound"))
 }
 
