@@ -30,7 +30,7 @@ pub struct Reading {
     pub size_m: [f64; 3],
 }
 
-/// The kind that goes by a name of [`shape`].
+/// The kind that goes by a name of `shape`.
 #[must_use]
 pub fn likely_kind(looks_like: &str) -> Option<BodyKind> {
     Some(match looks_like {
