@@ -118,7 +118,8 @@ pub(crate) fn left_behind(instance: &str) -> Vec<String> {
 pub(crate) fn deployment(place: &Place, workers: u32, bodies: &[(&str, u32, u32)]) -> PathBuf {
     let mut file = format!(
         "schema = \"trolley.deployment/1\"\ninstance = \"test\"\nmembers = 1\n\
-         [engine]\nworkers = {workers}\n[realtime]\npriority = 0\nworker_priority = 0\nlock_memory = false\nheap_mib = 8\n"
+         [engine]\nworkers = {workers}\n[realtime]\npriority = 0\nworker_priority = 0\n\
+         lock_memory = false\nheap_mib = 8\n"
     );
     for (number, (shape, triangles, seed)) in bodies.iter().enumerate() {
         file += &format!(
