@@ -14,10 +14,11 @@ use report::work::WorkDone;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trolley::plan::PlanScene;
 use trolley::record::Signer;
 use trolley::{
-    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, PlanScene, Ranking, Record,
-    References, Run, Scenario,
+    Answer, AnswerState, Engine, Explanation, Failure, FailureKind, Ranking, Record, References,
+    Run, Scenario,
 };
 
 /// The arguments of `rank`.

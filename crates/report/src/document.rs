@@ -6,7 +6,8 @@ use crate::work::WorkDone;
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::Serialize;
-use trolley::{Answer, Failure, PlanScene};
+use trolley::plan::PlanScene;
+use trolley::{Answer, Failure};
 
 /// The form of the document.
 pub const SCHEMA: &str = "trolley.page/1";

@@ -7,7 +7,7 @@ use crate::shot::{Shot, ShotBody};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use trolley::{PlanCourse, PlanSample, PlanScene};
+use trolley::plan::{PlanCourse, PlanSample, PlanScene};
 
 /// Kinds of lines (Foxglove schema `foxglove.LinePrimitive`).
 const STRIP: u8 = 0;
@@ -199,7 +199,7 @@ mod tests {
         let sample = |time_s: f64| PlanSample([time_s, 3.0 * time_s, 1.0, 1.0, 0.0]);
         let plan = PlanScene {
             horizon_s: 2.0,
-            parties: vec![trolley::PlanParty {
+            parties: vec![trolley::plan::PlanParty {
                 name: "ego".into(),
                 outline_m: vec![[2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0], [2.0, -1.0]],
                 ..Default::default()
@@ -207,7 +207,10 @@ mod tests {
             courses: vec![PlanCourse {
                 name: "second".into(),
                 ego: vec![sample(0.0), sample(2.0)],
-                contacts: vec![trolley::PlanContact { at_m: [5.0, 1.0], ..Default::default() }],
+                contacts: vec![trolley::plan::PlanContact {
+                    at_m: [5.0, 1.0],
+                    ..Default::default()
+                }],
                 ..Default::default()
             }],
             ..Default::default()

@@ -2,7 +2,8 @@
 
 use crate::shot::{Shot, ShotBody, ShotPatch};
 use trolley::bodies::Bodies;
-use trolley::{Answer, ContactRow, CourseRow, Failure, PlanCourse, PlanNearest, PlanScene};
+use trolley::plan::{PlanCourse, PlanNearest, PlanScene};
+use trolley::{Answer, ContactRow, CourseRow, Failure};
 
 /// The bodies, by number as the contacts of a scene name them.
 ///

@@ -8,7 +8,8 @@ use crate::shot::{Shot, ShotBody};
 use crate::work::WorkDone;
 use serde_json::json;
 use std::fmt::Write as _;
-use trolley::{Answer, CourseRow, PlanScene, Severity};
+use trolley::plan::PlanScene;
+use trolley::{Answer, CourseRow, Severity};
 
 mod course;
 mod drawing;

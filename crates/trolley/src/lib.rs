@@ -141,6 +141,7 @@
 //! | [`traffic`] | recorded traffic, as scenarios |
 //! | [`bodies`] | bodies opened, generated, sealed |
 //! | [`intersect`], [`poses`] | which triangles of two bodies intersect at one pose, with times |
+//! | [`plan`] | what a picture of a ranking is drawn from |
 //! | [`model`] | model files imported, generated, inspected, checked, exported |
 //! | [`policy`] | policies and curves checked, who signed them, and who wins under which |
 //! | [`doctor`] | what this machine has of what the service needs |
@@ -165,6 +166,7 @@ pub mod intersect;
 pub mod kernel;
 mod limits;
 pub mod model;
+pub mod plan;
 mod plausibility;
 pub mod policy;
 pub mod poses;
@@ -200,21 +202,6 @@ pub use coordinator::Answer;
 /// # Ok::<(), trolley::Failure>(())
 /// ```
 pub use coordinator::ContactRow;
-/// Two bodies at a contact of a [`PlanCourse`], and what is hit.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let limits = trolley::Limits::default();
-/// let mut scene = trolley::PlanScene::default();
-/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
-/// for at in scene.courses.iter().flat_map(|course| &course.scenes) {
-///     println!("{} triangles of the ego are hit", at.hits[0].len());
-/// }
-/// # assert!(scene.courses.iter().any(|course| !course.scenes.is_empty()));
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::ContactScene;
 /// One candidate of an [`Answer`] in its place.
 ///
 /// ```
@@ -274,91 +261,6 @@ pub use coordinator::MembersRow;
 /// assert!(met.probability > 0.0);
 /// ```
 pub use coordinator::MetRow;
-/// A contact of a [`PlanCourse`].
-///
-/// ```
-/// let contact = trolley::PlanContact { time_s: 1.5, ..Default::default() };
-/// assert!(!contact.is_heavy);
-/// ```
-pub use coordinator::PlanContact;
-/// A candidate of a [`PlanScene`] as it was followed.
-///
-/// ```
-/// let course = trolley::PlanCourse { name: "brake".into(), ..Default::default() };
-/// assert!(course.contacts.is_empty());
-/// ```
-pub use coordinator::PlanCourse;
-/// Where everybody goes in one member of a [`PlanScene`].
-///
-/// ```
-/// let member = trolley::PlanMember::default();
-/// assert!(member.parties.is_empty() && member.courses.is_empty());
-/// ```
-pub use coordinator::PlanMember;
-/// A candidate as it was followed in a [`PlanMember`].
-///
-/// ```
-/// let course = trolley::PlanMemberCourse::default();
-/// assert!(course.ego.is_empty() && course.contacts.is_empty());
-/// ```
-pub use coordinator::PlanMemberCourse;
-/// Where a [`PlanCourse`] comes nearest to a party that it does not meet.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let limits = trolley::Limits::default();
-/// let mut scene = trolley::PlanScene::default();
-/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
-/// for nearest in scene.courses.iter().filter_map(|course| course.nearest.as_ref()) {
-///     println!("{:.2} m from {}", nearest.gap_m, scene.parties[nearest.party].name);
-/// }
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::PlanNearest;
-/// A body of a [`PlanScene`], and where it may go.
-///
-/// ```
-/// let party = trolley::PlanParty { name: "bus".into(), ..Default::default() };
-/// assert!(party.paths.is_empty());
-/// ```
-pub use coordinator::PlanParty;
-/// A predicted path of a [`PlanParty`].
-///
-/// ```
-/// let path = trolley::PlanPath { probability: 0.3, track: Vec::new() };
-/// assert!(path.probability < 1.0);
-/// ```
-pub use coordinator::PlanPath;
-/// Where a body is at one time, of a [`PlanMember`].
-///
-/// ```
-/// let [time_s, x_m, y_m] = trolley::PlanPoint([0.5, 7.0, 0.0]).0;
-/// assert_eq!((time_s, x_m, y_m), (0.5, 7.0, 0.0));
-/// ```
-pub use coordinator::PlanPoint;
-/// A body at one time, of a [`PlanScene`].
-///
-/// ```
-/// let [time_s, x_m, y_m, cos, sin] = trolley::PlanSample([0.5, 7.0, 0.0, 1.0, 0.0]).0;
-/// assert_eq!((time_s, x_m, y_m, cos, sin), (0.5, 7.0, 0.0, 1.0, 0.0));
-/// ```
-pub use coordinator::PlanSample;
-/// A scene over time, seen from above: what a picture of a ranking is drawn from, and
-/// what [`Engine::rank_drawn`] fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
-/// [`PlanSample`], [`PlanContact`], [`PlanNearest`] and [`PlanMember`] are its parts.
-///
-/// ```
-/// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
-/// # let mut engine = trolley::Engine::builder().in_process().build()?;
-/// # let limits = trolley::Limits::default();
-/// let mut scene = trolley::PlanScene::default();
-/// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
-/// let at_start = |course: &trolley::PlanCourse| course.ego[0].0[1..3] == [0.0, 0.0];
-/// assert!(scene.courses.iter().all(at_start));
-/// # Ok::<(), trolley::Failure>(())
-/// ```
-pub use coordinator::PlanScene;
 /// The worlds of an [`Answer`]: draws of what the model does not know, the same for all candidates.
 ///
 /// ```

@@ -13,6 +13,7 @@
 mod advice;
 mod cells;
 mod columns;
+mod data;
 mod fitted;
 mod found;
 mod grid;
@@ -310,12 +311,12 @@ fn findings(cells: &[Cell], grid: &Grid) -> Vec<Finding> {
 impl Map {
     fn write(&self) -> Result<(), Failure> {
         let write = |name: &str, bytes: &[u8]| files::replace(&self.out.join(name), bytes);
-        write("verdicts.csv", page::verdicts_csv(self).as_bytes())?;
-        write("verdicts.parquet", &page::verdicts_table(self).parquet()?)?;
-        let pays = page::pays_table(self);
+        write("verdicts.csv", data::verdicts_csv(self).as_bytes())?;
+        write("verdicts.parquet", &data::verdicts_table(self).parquet()?)?;
+        let pays = data::pays_table(self);
         write("pays.csv", pays.csv().as_bytes())?;
         write("pays.parquet", &pays.parquet()?)?;
-        write("points.parquet", &page::points_table(self).parquet()?)?;
+        write("points.parquet", &data::points_table(self).parquet()?)?;
         write("map.json", json(self)?.as_bytes())?;
         for (name, svg) in pictures::maps(self) {
             write(&name, svg.as_bytes())?;

@@ -6,10 +6,12 @@
 //! have one are rejected with their line. A deck states no unit: the user must. What it weighs is
 //! added up (`mass.rs`) and offered.
 
+mod card;
 mod mass;
 
 use super::collect::Collector;
 use super::{FilePosition, ImportError, MeshDefect, Resolver};
+use card::{Block, blocks, fields, mean, real, whole};
 use mass::{Masses, Piece};
 use std::collections::BTreeMap;
 
@@ -80,14 +82,6 @@ struct Include {
     name: String,
     /// The deck that includes it, and the line.
     place: Spot,
-}
-
-/// A keyword, its options, and its data lines.
-struct Block<'t> {
-    /// Without the star, upper case.
-    keyword: String,
-    line: usize,
-    cards: Vec<(usize, &'t str)>,
 }
 
 pub(super) fn read(
@@ -194,8 +188,8 @@ impl Deck {
                     };
                     self.includes.extend(block.cards.iter().map(include));
                 }
-                ("MAT", options) if !options.starts_with("ADD") => self.material(&block),
-                ("SECTION", "SHELL" | "SHELL_TITLE") => self.section(&block),
+                ("MAT", options) if !options.starts_with("ADD") => self.masses.material(&block),
+                ("SECTION", "SHELL" | "SHELL_TITLE") => self.masses.section(&block),
                 ("INCLUDE", "PATH" | "PATH_RELATIVE") => {}
                 ("INCLUDE", _) => return refuse(self, format!("*{keyword}")),
                 ("END", _) => break,
@@ -271,7 +265,7 @@ impl Deck {
                 self.solids(block, extra, deck, into)
             }
             "MASS" => {
-                self.lumped(block, &words);
+                self.masses.lumped(block, &words);
                 *self.skipped.entry(format!("*ELEMENT_{options}")).or_default() +=
                     block.cards.len();
                 Ok(())
@@ -423,50 +417,6 @@ impl Deck {
         Ok(())
     }
 
-    /// The density of a material: its first line has its number and that, whatever it is. What is
-    /// no number is not needed for the surface, and is left out.
-    fn material(&mut self, block: &Block<'_>) {
-        let first = usize::from(block.keyword.ends_with("_TITLE"));
-        let Some((_, card)) = block.cards.get(first) else { return };
-        let fields = fields(card, &[10; 8]);
-        let density = fields.get(1).and_then(|text| real(text)).filter(|value| *value > 0.0);
-        if let Some((id, density)) = whole(fields.first()).zip(density) {
-            self.masses.densities.insert(id, density);
-        }
-    }
-
-    /// Thicknesses of sections of shells, two lines each and more if layers have angles.
-    fn section(&mut self, block: &Block<'_>) {
-        let title = usize::from(block.keyword.ends_with("_TITLE"));
-        let mut rest = block.cards.as_slice();
-        while let Some([(_, head), (_, card), after @ ..]) = rest.get(title..) {
-            let head = fields(head, &[10; 8]);
-            let thickness = mean(&fields(card, &[10; 4]));
-            if let Some((id, thickness)) = whole(head.first()).zip(thickness) {
-                self.masses.thicknesses.insert(id, thickness);
-            }
-            // ICOMP = 1: an angle for each of NIP points, eight a line.
-            let number = |at: usize| head.get(at).and_then(|text| real(text)).unwrap_or(0.0);
-            let points = if number(6) == 1.0 { number(3).clamp(0.0, 1e3) as usize } else { 0 };
-            rest = after.get(points.div_ceil(8)..).unwrap_or_default();
-        }
-    }
-
-    /// Lumped masses: number, node or set of nodes, mass.
-    fn lumped(&mut self, block: &Block<'_>, words: &[&str]) {
-        // Those of parts are non-structural mass, spread as the card says.
-        if words.contains(&"PART") {
-            return;
-        }
-        for (_, card) in &block.cards {
-            let mass = fields(card, &[8, 8, 16, 8]).get(2).and_then(|text| real(text));
-            if let Some(mass) = mass.filter(|mass| *mass > 0.0) {
-                self.masses.lumped.0 += mass;
-                self.masses.lumped.1 += 1;
-            }
-        }
-    }
-
     /// What the deck says of its mass, in words.
     fn mass_notes(&self, into: &Collector<'_>) -> Vec<String> {
         let point = |node: &u64| self.nodes.get(node).copied();
@@ -540,82 +490,6 @@ fn distinct(nodes: &[u64]) -> Vec<u64> {
         }
     }
     all
-}
-
-/// Keywords with their data lines; comments and blank lines are dropped.
-fn blocks(text: &str) -> Vec<Block<'_>> {
-    let mut blocks: Vec<Block<'_>> = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        if line.starts_with('$') {
-            continue;
-        }
-        if let Some(keyword) = line.strip_prefix('*') {
-            let keyword = keyword.trim().to_ascii_uppercase();
-            // `*KEYWORD LONG=Y`: what follows a blank is also an option.
-            let keyword = keyword.split_whitespace().collect::<Vec<_>>().join("_");
-            blocks.push(Block { keyword, line: number, cards: Vec::new() });
-        } else if let Some(block) = blocks.last_mut() {
-            // A title may be blank, but is data.
-            let has_title = block.keyword.starts_with("PART") || block.keyword.ends_with("_TITLE");
-            if !line.trim().is_empty() || has_title {
-                block.cards.push((number, line));
-            }
-        }
-    }
-    blocks
-}
-
-/// The fields of a card: between commas, else in columns of these widths, without trailing empty
-/// ones.
-fn fields<'t>(card: &'t str, widths: &[usize]) -> Vec<&'t str> {
-    let mut fields: Vec<&str> = if card.contains(',') {
-        card.split(',').take(widths.len()).map(str::trim).collect()
-    } else {
-        let mut at = 0;
-        widths
-            .iter()
-            .map(|width| {
-                let end = (at + width).min(card.len());
-                // Columns are bytes; a character across a column boundary is not part of a number.
-                let field = card.get(at.min(card.len())..end).unwrap_or("?");
-                at += width;
-                field.trim()
-            })
-            .collect()
-    };
-    while fields.last().is_some_and(|field| field.is_empty()) {
-        fields.pop();
-    }
-    fields
-}
-
-/// The mean of the numbers above zero among some fields.
-fn mean(fields: &[&str]) -> Option<f64> {
-    let values = fields.iter().filter_map(|text| real(text)).filter(|value| *value > 0.0);
-    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
-}
-
-/// An integer; an empty field is zero.
-fn whole(field: Option<&&str>) -> Option<u64> {
-    match field {
-        None => None,
-        Some(&"") => Some(0),
-        Some(text) => text.parse().ok(),
-    }
-}
-
-/// A number as Fortran writes it: the exponent may be a D, or follow without a letter.
-fn real(text: &str) -> Option<f64> {
-    if let Ok(value) = text.parse() {
-        return Some(value);
-    }
-    let text = text.replace(['d', 'D'], "e");
-    if let Ok(value) = text.parse() {
-        return Some(value);
-    }
-    let sign = text.get(1..)?.rfind(['+', '-'])? + 1;
-    format!("{}e{}", &text[..sign], &text[sign..]).parse().ok()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::labels::{TakenRoom, UNDER};
 use super::{cut, name, spread};
 use serde::Serialize;
 use std::fmt::Write as _;
-use trolley::{PlanCourse, PlanSample, PlanScene};
+use trolley::plan::{PlanCourse, PlanSample, PlanScene};
 
 /// Width in the drawing's own units.
 pub(super) const WIDTH: f64 = 1000.0;

@@ -1,7 +1,7 @@
 //! Room for labels in the plan view: texts that cover neither each other nor what is marked.
 
 use super::drawing::{PlanWindow, WIDTH};
-use trolley::PlanSample;
+use trolley::plan::PlanSample;
 
 /// Room for a line of text and for a letter: the greater of the two sizes in `plan.css`.
 const LINE: f64 = 26.0;

@@ -3,7 +3,7 @@
 
 use super::drawing::{PlanWindow, Use};
 use std::fmt::Write as _;
-use trolley::{PlanMember, PlanPoint, PlanScene};
+use trolley::plan::{PlanMember, PlanPoint, PlanScene};
 
 /// A line shorter than this (m) is not drawn.
 const SHORT_M: f64 = 0.5;

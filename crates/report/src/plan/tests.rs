@@ -8,7 +8,8 @@ use super::*;
 use crate::pictures;
 use geometry::rng::Rng;
 use std::path::Path;
-use trolley::{AnswerState, Engine, Limits, PlanSample, Run, Scenario};
+use trolley::plan::PlanSample;
+use trolley::{AnswerState, Engine, Limits, Run, Scenario};
 
 const SCENE: &str = r#"
 schema = "trolley.scenario/2"

@@ -86,7 +86,7 @@ impl Engine {
     /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;
     /// # let mut engine = trolley::Engine::builder().in_process().build()?;
     /// let limits = trolley::Limits::default();
-    /// let mut scene = trolley::PlanScene::default();
+    /// let mut scene = trolley::plan::PlanScene::default();
     /// engine.rank_drawn(&scenario, &limits, &|_, _| {}, Some(&mut scene))?;
     /// assert_eq!((scene.courses.len(), scene.parties[scene.ego].name.as_str()), (3, "ego"));
     /// # Ok::<(), trolley::Failure>(())

@@ -83,8 +83,13 @@ pub(crate) struct Subject {
 
 impl Subject {
     pub(crate) fn contact(self) -> &'static str {
-        if self.is_deep { "deep" } else { "scratch" }
+        contact(self.is_deep)
     }
+}
+
+/// The name of a contact: substantial damage, or a scratch.
+pub(crate) fn contact(is_deep: bool) -> &'static str {
+    if is_deep { "deep" } else { "scratch" }
 }
 
 /// What one sheet of the map is about.

@@ -11,6 +11,7 @@
 //! a hundred. The result is offered, and applied by nobody.
 
 use super::super::LengthUnit;
+use super::card::{Block, fields, mean, real, whole};
 use std::collections::BTreeMap;
 
 /// Densities of what vehicles are built of, in the mean (kg/m³): from wood to steel, with room.
@@ -71,6 +72,50 @@ pub(super) struct Weighed {
 }
 
 impl Masses {
+    /// The density of a material: its first line has its number and that, whatever it is. What is
+    /// no number is not needed for the surface, and is left out.
+    pub(super) fn material(&mut self, block: &Block<'_>) {
+        let first = usize::from(block.keyword.ends_with("_TITLE"));
+        let Some((_, card)) = block.cards.get(first) else { return };
+        let fields = fields(card, &[10; 8]);
+        let density = fields.get(1).and_then(|text| real(text)).filter(|value| *value > 0.0);
+        if let Some((id, density)) = whole(fields.first()).zip(density) {
+            self.densities.insert(id, density);
+        }
+    }
+
+    /// Thicknesses of sections of shells, two lines each and more if layers have angles.
+    pub(super) fn section(&mut self, block: &Block<'_>) {
+        let title = usize::from(block.keyword.ends_with("_TITLE"));
+        let mut rest = block.cards.as_slice();
+        while let Some([(_, head), (_, card), after @ ..]) = rest.get(title..) {
+            let head = fields(head, &[10; 8]);
+            let thickness = mean(&fields(card, &[10; 4]));
+            if let Some((id, thickness)) = whole(head.first()).zip(thickness) {
+                self.thicknesses.insert(id, thickness);
+            }
+            // ICOMP = 1: an angle for each of NIP points, eight a line.
+            let number = |at: usize| head.get(at).and_then(|text| real(text)).unwrap_or(0.0);
+            let points = if number(6) == 1.0 { number(3).clamp(0.0, 1e3) as usize } else { 0 };
+            rest = after.get(points.div_ceil(8)..).unwrap_or_default();
+        }
+    }
+
+    /// Lumped masses: number, node or set of nodes, mass.
+    pub(super) fn lumped(&mut self, block: &Block<'_>, words: &[&str]) {
+        // Those of parts are non-structural mass, spread as the card says.
+        if words.contains(&"PART") {
+            return;
+        }
+        for (_, card) in &block.cards {
+            let mass = fields(card, &[8, 8, 16, 8]).get(2).and_then(|text| real(text));
+            if let Some(mass) = mass.filter(|mass| *mass > 0.0) {
+                self.lumped.0 += mass;
+                self.lumped.1 += 1;
+            }
+        }
+    }
+
     /// Adds up all pieces, each of a part.
     pub(super) fn weigh(&self, pieces: impl Iterator<Item = (u64, Piece)>) -> Weighed {
         let mut sum = Weighed { lumped: self.lumped, ..Weighed::default() };
