@@ -151,7 +151,7 @@ struct Reader<'f> {
     /// `None` until the first message tells.
     form: Option<Form>,
     tracks: Tracks,
-    /// Stationary objects of kinds that nobody hits, by kind.
+    /// Stationary objects of kinds that nobody hits, by kind: the most in a message.
     passed: BTreeMap<&'static str, usize>,
     host: Option<u64>,
     messages: u64,
@@ -289,14 +289,15 @@ impl<'f> Reader<'f> {
             let velocity_m_s = velocity;
             self.tracks.add(&id, Seen { kind, is_guessed, velocity_m_s, ..placed })?;
         }
+        let mut passed: BTreeMap<&'static str, usize> = BTreeMap::new();
         for (index, bytes) in truth.stationary.iter().enumerate() {
             let object: StationaryObject =
                 decoded(bytes, &format!("stationary object {} of it", index + 1))?;
             let kind = object.classification.and_then(|classification| classification.kind);
             let kind = match kinds::stationary(kind) {
                 Ok(kind) => kind,
-                Err(passed) => {
-                    *self.passed.entry(passed).or_default() += usize::from(self.messages == 0);
+                Err(name) => {
+                    *passed.entry(name).or_default() += 1;
                     continue;
                 }
             };
@@ -304,6 +305,10 @@ impl<'f> Reader<'f> {
             let base = object.base.unwrap_or_default();
             let placed = boxed(&id, base.dimension, base.position, base.orientation.as_ref())?;
             self.tracks.add(&id, Seen { kind, is_fixed: true, ..placed })?;
+        }
+        for (name, count) in passed {
+            let most = self.passed.entry(name).or_default();
+            *most = count.max(*most);
         }
         Ok(())
     }
@@ -325,11 +330,8 @@ impl<'f> Reader<'f> {
         };
         let mut recording =
             tracks.recording(name, ego, options).map_err(|fault| whole(file, fault))?;
-        let passed: Vec<String> = passed
-            .into_iter()
-            .filter(|(_, count)| *count > 0)
-            .map(|(kind, count)| format!("{count} × {kind}"))
-            .collect();
+        let passed: Vec<String> =
+            passed.into_iter().map(|(kind, count)| format!("{count} × {kind}")).collect();
         if !passed.is_empty() {
             recording.notes.push(format!(
                 "left out, since nobody runs into them: {}",

@@ -55,9 +55,11 @@
 //!
 //! An answer has a [state](AnswerState). *Complete*: all work is done. *Certified*: work was left
 //! open, but none of it can change the winner. *Degraded*: it could. Each row has two intervals:
-//! [`work`](CourseRow::work) holds the value that the finished work would give, and
-//! [`range`](CourseRow::range) adds what the model itself does not know. A
-//! [deadline](Limits::with_deadline_ms) bounds the time; what is not done by then widens `work`.
+//! [`work`](CourseRow::work) holds the value that the finished work over these members would give,
+//! and [`range`](CourseRow::range) adds what the model itself does not know. A
+//! [deadline](Limits::with_deadline_ms) bounds the time; what is not done by then widens `work`, or
+//! leaves members out: [`Answer::members`] says how many there are, and is none where the scene is
+//! ranked as stated.
 //!
 //! ```
 //! # use trolley::{AnswerState, Engine, Limits, Scenario};

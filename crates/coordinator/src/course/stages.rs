@@ -2,7 +2,9 @@
 //! to call.
 //!
 //! Only finished stages decide whether there is another one. A stage that time ends is left out:
-//! the answer is that of the stage before. So a complete answer depends on nothing but the request.
+//! the answer is that of the stage before, of a part of the first one, or of the scene as stated. It
+//! is degraded then, and its figures are no bounds on those of more members. So a complete answer
+//! depends on nothing but the request.
 
 use super::history::SearchClock;
 use super::rounds::{Rounds, means};
@@ -27,7 +29,7 @@ pub struct MembersRow {
     /// By how much the first two candidates differ in the leading measure; `None` where something
     /// is open, or there is one candidate.
     pub lead: Option<Lead>,
-    /// Whether a further stage was begun and not finished in time.
+    /// Whether a further stage, or the rest of the first, was not finished in time.
     pub is_late: bool,
 }
 

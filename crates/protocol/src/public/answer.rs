@@ -169,8 +169,8 @@ impl Reason {
 
 /// Bits of [`WireAnswer::flags`], [`WirePlace::flags`] and [`WireContact::flags`].
 pub mod flag {
-    /// Of an answer: a further stage of members was begun and not finished in time. Figures are
-    /// those of the stage before.
+    /// Of an answer: a further stage of members, or the rest of the first, was not finished in time.
+    /// Figures are those of as many members as it states.
     pub const LATE: u32 = 1;
     /// Of an answer: `lead` and `lead_error` are valid.
     pub const LEAD: u32 = 2;
@@ -377,7 +377,7 @@ impl WireAnswer {
         self.checksum == checksum(bytemuck::bytes_of(self), offset_of!(Self, checksum))
     }
 
-    /// Whether a further stage of members was begun and not finished in time.
+    /// Whether a further stage of members, or the rest of the first, was not finished in time.
     #[must_use]
     pub fn is_late(&self) -> bool {
         self.flags & flag::LATE != 0
