@@ -16,7 +16,7 @@ struct Bad {
 const BAD: &[Bad] = &[
     Bad {
         change: ("[parties.ego]", "colour = \"red\"\n[parties.ego]"),
-        says: &["bad.toml:4:", "colour", "help"],
+        says: &["bad.toml:5:", "colour", "help"],
         code: 65,
     },
     Bad {
@@ -26,7 +26,7 @@ const BAD: &[Bad] = &[
     },
     Bad {
         change: ("[parties.ego]", "deadline_ms = -1\n[parties.ego]"),
-        says: &["bad.toml:4:", "deadline_ms", "help"],
+        says: &["bad.toml:5:", "deadline_ms", "help"],
         code: 65,
     },
     Bad {
@@ -39,7 +39,7 @@ const BAD: &[Bad] = &[
     },
     Bad {
         change: ("[parties.ego]", "policy = \"no-such.toml\"\n[parties.ego]"),
-        says: &["bad.toml:4:", "no-such.toml"],
+        says: &["bad.toml:5:", "no-such.toml"],
         code: 65,
     },
     Bad {
@@ -52,7 +52,7 @@ const BAD: &[Bad] = &[
         says: &["bad.toml", "not a model file", "trolley model import"],
         code: 65,
     },
-    Bad { change: ("triangles = 600", "triangles = 6"), says: &["bad.toml:5:", "6"], code: 65 },
+    Bad { change: ("triangles = 600", "triangles = 6"), says: &["bad.toml:6:", "6"], code: 65 },
     Bad { change: ("yaw_deg = 180.0", "yaw_deg = nan"), says: &["bad.toml:"], code: 65 },
     Bad {
         change: ("trolley.scenario/2", "trolley.scenario/1"),

@@ -1,6 +1,7 @@
 //! `trolley query`: sends a scenario file to a running service.
 
 mod document;
+mod names;
 
 use crate::answer_args::Assume;
 use crate::output::Output;
@@ -12,6 +13,7 @@ use client::public::{
     Reason, WireAnswer, WireContact, WireMet, WirePersons, WirePlace, WireState, flag,
 };
 use client::{Client, Waiting};
+use names::{name_of, party};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -186,14 +188,6 @@ fn code(answer: &WireAnswer) -> FailureKind {
     }
 }
 
-fn name_of(scenario: &scenario::Scenario, candidate: u32) -> &str {
-    scenario.candidates.get(candidate as usize).map_or("?", |candidate| &candidate.name)
-}
-
-fn party(scenario: &scenario::Scenario, number: u32) -> &str {
-    scenario.parties.get(number as usize).map_or("?", |party| &party.name)
-}
-
 /// Whom a candidate meets, one a line.
 fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     let contact = |contact: &WireContact| {
@@ -272,7 +266,7 @@ fn over_members(
             outer: [of.quantiles[0], of.quantiles[2]],
             best: of.best,
         }),
-        worlds: has_worlds(answer).then_some(of.worlds),
+        worlds: answer.has_worlds().then_some(of.worlds),
     }))
 }
 
@@ -307,7 +301,7 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
         let injured = best.has_spread().then_some(of.injured[1]);
         lines.push(ranking_table::members(answer.members, answer.replaced, injured));
         lines.extend(answer.lead().and_then(|(mean, error)| ranking_table::lead(mean, error)));
-        if has_worlds(answer) {
+        if answer.has_worlds() {
             lines.push(ranking_table::worlds(answer.worlds, of.worlds, None));
         }
     }
@@ -324,8 +318,4 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
         lines.push(format!("Note: {}", answer.text()));
     }
     format!("{table}\n\n{}", lines.join("\n"))
-}
-
-fn has_worlds(answer: &WireAnswer) -> bool {
-    answer.flags & flag::WORLDS != 0
 }

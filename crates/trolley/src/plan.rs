@@ -86,8 +86,9 @@ pub use coordinator::PlanPoint;
 /// ```
 pub use coordinator::PlanSample;
 /// A scene over time, seen from above: what a picture of a ranking is drawn from, and
-/// what [`Engine::rank_drawn`](crate::Engine::rank_drawn) fills in. [`PlanParty`], [`PlanPath`], [`PlanCourse`],
-/// [`PlanSample`], [`PlanContact`], [`PlanNearest`] and [`PlanMember`] are its parts.
+/// what [`Engine::rank_drawn`](crate::Engine::rank_drawn) fills in. [`PlanParty`], [`PlanPath`],
+/// [`PlanCourse`], [`PlanSample`], [`PlanContact`], [`PlanNearest`] and [`PlanMember`] are its
+/// parts.
 ///
 /// ```
 /// # let scenario = trolley::Scenario::open("../../config/scenarios/crossing.toml")?;

@@ -1,6 +1,6 @@
 //! The JSON document of `trolley query --json`.
 
-use super::{has_worlds, name_of, party};
+use super::names::{name_of, party};
 use client::public::{WireAnswer, WireContact, WireExpected, WireMet, WirePlace, flag};
 use serde::Serialize;
 use trolley::Implausible;
@@ -136,7 +136,7 @@ pub(super) fn of_answer<'a>(
         replaced: answer.replaced,
         lead,
         is_late: answer.is_late(),
-        worlds: has_worlds(answer).then_some(answer.worlds),
+        worlds: answer.has_worlds().then_some(answer.worlds),
     });
     Document {
         schema: "trolley.query/2",
@@ -173,6 +173,6 @@ fn expected<'a>(
         open: of.open,
         undecided: of.undecided,
         spread: place.has_spread().then_some(spread),
-        worlds: has_worlds(answer).then_some(of.worlds),
+        worlds: answer.has_worlds().then_some(of.worlds),
     }
 }

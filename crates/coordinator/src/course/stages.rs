@@ -2,9 +2,9 @@
 //! to call.
 //!
 //! Only finished stages decide whether there is another one. A stage that time ends is left out:
-//! the answer is that of the stage before, of a part of the first one, or of the scene as stated. It
-//! is degraded then, and its figures are no bounds on those of more members. So a complete answer
-//! depends on nothing but the request.
+//! the answer is that of the stage before, of a part of the first one, or of the scene as stated.
+//! It is degraded then, and its figures are no bounds on those of more members. So a complete
+//! answer depends on nothing but the request.
 
 use super::history::SearchClock;
 use super::rounds::{Rounds, means};

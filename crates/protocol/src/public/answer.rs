@@ -169,8 +169,8 @@ impl Reason {
 
 /// Bits of [`WireAnswer::flags`], [`WirePlace::flags`] and [`WireContact::flags`].
 pub mod flag {
-    /// Of an answer: a further stage of members, or the rest of the first, was not finished in time.
-    /// Figures are those of as many members as it states.
+    /// Of an answer: a further stage of members, or the rest of the first, was not finished in
+    /// time. Figures are those of as many members as it states.
     pub const LATE: u32 = 1;
     /// Of an answer: `lead` and `lead_error` are valid.
     pub const LEAD: u32 = 2;
@@ -381,6 +381,12 @@ impl WireAnswer {
     #[must_use]
     pub fn is_late(&self) -> bool {
         self.flags & flag::LATE != 0
+    }
+
+    /// Whether it says in how many worlds each candidate wins.
+    #[must_use]
+    pub fn has_worlds(&self) -> bool {
+        self.flags & flag::WORLDS != 0
     }
 
     /// By how much the second place has more harm than the first in the mean over members, and the

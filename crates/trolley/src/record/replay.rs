@@ -42,8 +42,8 @@ pub struct Replay {
     pub explanation: Option<Explanation>,
     /// Where everybody is over time, and what is hit, for pictures.
     pub scene: PlanScene,
-    /// The bodies of the parties, each once: [`ContactScene`](crate::plan::ContactScene)s name them by
-    /// number.
+    /// The bodies of the parties, each once: [`ContactScene`](crate::plan::ContactScene)s name them
+    /// by number.
     pub bodies: Bodies,
     /// How many jobs it took.
     pub jobs: u64,
