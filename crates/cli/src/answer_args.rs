@@ -43,9 +43,8 @@ pub(crate) struct LimitArgs {
     /// Stop when all work is done, when the order is certain, or when the winner is.
     #[arg(long, value_name = "WHEN", default_value = "complete")]
     until: UntilName,
-    /// Answer within N milliseconds, with bounds on the work not done, or of fewer members;
-    /// overrides the scenario's `deadline_ms`. The clock starts when the bodies are sealed and the
-    /// workers are ready.
+    /// Answer within N ms, with bounds on what is not done, or of fewer members, whatever
+    /// `deadline_ms` the scenario has. The clock starts when bodies are sealed and workers ready.
     #[arg(long, value_name = "N")]
     deadline_ms: Option<f64>,
     /// Follow the candidates in N draws of what is known only up to errors, and rank by expected

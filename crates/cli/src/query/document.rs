@@ -99,7 +99,6 @@ struct Contact<'a> {
     delta_v_m_s: [[f64; 2]; 2],
 }
 
-/// What `--json` prints of an answer.
 pub(super) fn of_answer<'a>(
     scenario: &'a scenario::Scenario,
     answer: &'a WireAnswer,
