@@ -110,6 +110,7 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         None => format!(" Least harm: {}.", first.name),
     };
     let hits_nobody = answer.ranking.iter().any(CourseRow::hits_nobody);
+    let hits_nobody = (!first.is_stated_alone).then_some(hits_nobody);
     lines.push(ranking_table::first(&free, hits_nobody, &least));
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));

@@ -204,7 +204,7 @@ fn meets(scenario: &scenario::Scenario, place: &WirePlace) -> String {
     }
     if place.flags & flag::OPEN != 0 {
         lines.push(format!("not known after {:.2} s", place.open_from_s));
-    } else if lines.is_empty() && place.flags & flag::TOUCHES_NOBODY == 0 {
+    } else if lines.is_empty() && place.flags & (flag::TOUCHES_NOBODY | flag::STATED_ALONE) == 0 {
         lines.push("nobody after the start".to_owned());
     } else if lines.is_empty() {
         let nearest = (party(scenario, place.nearest_party), place.nearest_m, place.nearest_s);
@@ -286,6 +286,8 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
     };
     let mut lines = Vec::new();
     let hits_nobody = all.iter().any(WirePlace::hits_nobody);
+    let is_stated_alone = best.is_some_and(|best| has(best, flag::STATED_ALONE));
+    let hits_nobody = (!is_stated_alone).then_some(hits_nobody);
     lines.push(ranking_table::first(&free, hits_nobody, &format!(" Least harm: {best_name}.")));
     if !free.is_empty() && !free.contains(&best_name) {
         lines.push(format!("First under the policy: {best_name}."));
@@ -307,13 +309,6 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
     }
     let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
     lines.extend(ranking_table::tied(&others));
-    if answer.is_late() {
-        lines.push(format!(
-            "Not fully known: the best two are too close to call with {} members, and there was \
-             no time for more.",
-            answer.members
-        ));
-    }
     if !answer.text().is_empty() {
         lines.push(format!("Note: {}", answer.text()));
     }

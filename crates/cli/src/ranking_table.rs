@@ -235,10 +235,12 @@ pub(crate) fn worlds(count: u32, won: f64, alone: Option<&str>) -> String {
 }
 
 /// What the first candidates have in common: `free` touch nobody, and `hits_nobody` says that one
-/// at least only parts from somebody. `least` is the sentence of who comes first.
-pub(crate) fn first(free: &[&str], hits_nobody: bool, least: &str) -> String {
+/// at least only parts from somebody; `None` where nothing is known of members. `least` is the
+/// sentence of who comes first.
+pub(crate) fn first(free: &[&str], hits_nobody: Option<bool>, least: &str) -> String {
     match free {
-        [] if hits_nobody => format!("No way is free of contact from the start on.{least}"),
+        [] if hits_nobody.is_none() => format!("Known is the scene as stated alone.{least}"),
+        [] if hits_nobody == Some(true) => format!("No way is free of contact from the start on.{least}"),
         [] => format!("Every way hits somebody, as far as is known.{least}"),
         free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
     }

@@ -94,7 +94,7 @@ extern "C" {
 #define TROLLEY_WORLDS 4u /* the shares of worlds count */
 
 /* trolley_place.flags */
-#define TROLLEY_TOUCHES_NOBODY 1u /* until the end of its way: proven */
+#define TROLLEY_TOUCHES_NOBODY 1u /* until the end of its way, in every member: proven */
 #define TROLLEY_CERTAIN 2u        /* it certainly comes before the next */
 #define TROLLEY_TIED 4u           /* the model cannot distinguish it from the first */
 #define TROLLEY_UNEVALUABLE 8u    /* a contact has no figures */
@@ -105,6 +105,7 @@ extern "C" {
 #define TROLLEY_MEMBERS 256u      /* members were followed: expected counts; work, range and worst are
                                    * means over them, all else is of the scene as stated */
 #define TROLLEY_SPREAD 512u       /* nothing of any member is open: its spread counts */
+#define TROLLEY_STATED_ALONE 1024u /* no time for members: all is of the scene as stated */
 
 /* trolley_contact.flags */
 #define TROLLEY_HEAVY 1u        /* the ego runs out from there; otherwise it drives on */

@@ -304,6 +304,7 @@ fn follow(
     );
     if members.is_none() && !request.members.is_nominal() {
         answer.missing.push("there was no time for members: the scene is ranked as stated".into());
+        answer.ranking.iter_mut().for_each(|row| row.is_stated_alone = true);
     }
     if let Some(members) = members {
         members.write(&mut answer, &ranking, &request.scenario.candidates);

@@ -59,6 +59,8 @@ fn write_members(out: &mut WireAnswer, answer: &Answer) {
             (out.lead, out.lead_error) = (lead.mean, lead.error);
         }
         out.worlds = answer.worlds.as_ref().map_or(0, |worlds| worlds.count);
+    } else {
+        set(flag::LATE, answer.ranking.iter().any(|row| row.is_stated_alone));
     }
 }
 
@@ -110,6 +112,7 @@ fn place_of(row: &CourseRow, answer: &Answer) -> WirePlace {
     set(flag::PERSON, !row.persons.is_empty());
     set(flag::ALTERNATIVE, !row.alternatives.is_empty());
     set(flag::MEMBERS, row.expected.is_some());
+    set(flag::STATED_ALONE, row.is_stated_alone);
     set(flag::SPREAD, row.expected.as_ref().is_some_and(|of| of.spread.is_some()));
     if let Some(expected) = &row.expected {
         place.expected = expected_of(expected);

@@ -105,6 +105,10 @@ pub struct CourseRow {
     /// over members; all else is of the scene as stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected: Option<ExpectedRow>,
+    /// Whether members were asked for, and there was time for none: all is of the scene as stated,
+    /// and what happens in members is not known. The answer says so in [`Answer::missing`].
+    #[serde(skip)]
+    pub is_stated_alone: bool,
 }
 
 /// A run-out.
@@ -200,7 +204,10 @@ impl CourseRow {
         let of_member =
             |expected: &ExpectedRow| expected.contact == 0.0 && expected.spread.is_some();
         let is_known = self.expected.as_ref().is_none_or(of_member);
-        is_known && self.contacts.is_empty() && self.open_from_s.is_none()
+        is_known
+            && !self.is_stated_alone
+            && self.contacts.is_empty()
+            && self.open_from_s.is_none()
     }
 }
 
@@ -462,6 +469,7 @@ fn row(
         alternatives: if is_known { flags::alternatives(scenery, way, search) } else { Vec::new() },
         remarks: remarks(scenery, k, course),
         expected: None,
+        is_stated_alone: false,
     }
 }
 

@@ -170,7 +170,8 @@ impl Reason {
 /// Bits of [`WireAnswer::flags`], [`WirePlace::flags`] and [`WireContact::flags`].
 pub mod flag {
     /// Of an answer: a further stage of members, or the rest of the first, was not finished in
-    /// time. Figures are those of as many members as it states.
+    /// time. Figures are those of as many members as it states; with 1, those of the scene as
+    /// stated, and every place has [`STATED_ALONE`].
     pub const LATE: u32 = 1;
     /// Of an answer: `lead` and `lead_error` are valid.
     pub const LEAD: u32 = 2;
@@ -201,6 +202,9 @@ pub mod flag {
     pub const MEMBERS: u32 = 256;
     /// Of a place: nothing of any member is open, so its spread over members is valid.
     pub const SPREAD: u32 = 512;
+    /// Of a place: members were asked for, and there was time for none. All is of the scene as
+    /// stated, and what happens in members is not known: [`TOUCHES_NOBODY`] is never set.
+    pub const STATED_ALONE: u32 = 1024;
 
     /// Of a contact: it is heavy, and the ego runs out from there; otherwise it drives on.
     pub const HEAVY: u32 = 1;
@@ -435,7 +439,8 @@ impl WirePlace {
     pub fn hits_nobody(&self) -> bool {
         let in_members = |expected: &WireExpected| self.has_spread() && expected.contact == 0.0;
         let is_known = self.expected().is_none_or(in_members);
-        is_known && self.contact_count == 0 && self.flags & flag::OPEN == 0
+        let open = flag::OPEN | flag::STATED_ALONE;
+        is_known && self.contact_count == 0 && self.flags & open == 0
     }
 }
 

@@ -72,6 +72,9 @@ pub(super) fn head(
         bdi(scenario.trim_end_matches('.')),
         if count == 1 { " is" } else { "s are" },
         match free {
+            0 if rows.iter().any(|(_, row)| row.is_stated_alone) => {
+                "known is the scene as stated alone".to_owned()
+            }
             0 if rows.iter().any(|(_, row)| row.hits_nobody()) => {
                 "none is free of contact from the start on".to_owned()
             }
@@ -161,7 +164,9 @@ pub(super) fn head(
 /// What a way comes to, in a sentence or two.
 pub(super) fn happens(row: &CourseRow) -> String {
     let mut text = match (row.contacts.as_slice(), row.open_from_s) {
-        ([], None) if row.expected.is_some() && !row.touches_nobody() => {
+        ([], None)
+            if row.is_stated_alone || (row.expected.is_some() && !row.touches_nobody()) =>
+        {
             "In the scene as stated it touches nobody.".to_owned()
         }
         ([], None) if !row.touches_nobody() => {

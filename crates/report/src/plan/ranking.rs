@@ -80,6 +80,9 @@ fn line(place: usize, row: &CourseRow, colours: &Colours<'_>, top: f64, body: &m
         Some(from_s) => meets.push(format!("not known after {from_s:.2}\u{a0}s")),
         None if row.expected.is_some() => {}
         None if row.touches_nobody() => meets.push("nobody".to_owned()),
+        None if meets.is_empty() && row.is_stated_alone => {
+            meets.push("nobody, as stated".to_owned());
+        }
         None if meets.is_empty() => meets.push("nobody after the start".to_owned()),
         None => {}
     }
