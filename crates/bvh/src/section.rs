@@ -4,7 +4,7 @@
 //! range of nodes and one range of triangles. A section is such a pair of ranges, named by its
 //! node; match schemes count sections, and transfer volume is measured in them.
 
-use body::Node;
+use body::{BodyView, Node, Zones};
 use std::ops::Range;
 
 /// Bytes of a triangle in a section: nine f32.
@@ -36,6 +36,15 @@ pub fn nodes_of(nodes: &[Node], node: u32) -> Range<u32> {
 pub fn bytes(nodes: &[Node], node: u32) -> u64 {
     TRIANGLE_BYTES * triangles(nodes, node).len() as u64
         + NODE_BYTES * nodes_of(nodes, node).len() as u64
+}
+
+/// All zones that triangles of the section whose root is `node` belong to. Takes time proportional
+/// to their number; none if the node does not exist.
+#[must_use]
+pub fn zones(body: &BodyView<'_>, node: u32) -> Zones {
+    let range = triangles(body.nodes, node);
+    let below = body.zones.get(range.start as usize..range.end as usize);
+    Zones(below.unwrap_or_default().iter().fold(0, |all, Zones(bits)| all | bits))
 }
 
 /// The last leaf below `node`, with its number.

@@ -240,7 +240,9 @@ pub(crate) fn worlds(count: u32, won: f64, alone: Option<&str>) -> String {
 pub(crate) fn first(free: &[&str], hits_nobody: Option<bool>, least: &str) -> String {
     match free {
         [] if hits_nobody.is_none() => format!("Known is the scene as stated alone.{least}"),
-        [] if hits_nobody == Some(true) => format!("No way is free of contact from the start on.{least}"),
+        [] if hits_nobody == Some(true) => {
+            format!("No way is free of contact from the start on.{least}")
+        }
         [] => format!("Every way hits somebody, as far as is known.{least}"),
         free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
     }

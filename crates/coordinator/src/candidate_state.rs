@@ -2,7 +2,7 @@
 
 use crate::bound::Open;
 use crate::gather::{Gathered, SetSummary, Union};
-use crate::request::Candidate;
+use crate::request::{Candidate, Wanted};
 use body::{BodyView, Zones};
 use bvh::Witness;
 use damage::{Evidence, Seen, Stop, survey};
@@ -33,6 +33,8 @@ pub(crate) struct Surveyed {
 pub(crate) struct CandidateState {
     /// The first contact; `None`: the bodies overlap from the start, and there is nothing to ask.
     first: Option<FirstContact>,
+    /// What the survey is to find.
+    wanted: Wanted,
     /// The poses of the survey, and what was found at those that are done.
     pub(crate) stops: Vec<(Stop, Option<Surveyed>)>,
     /// The number of the first stop's task; the others follow.
@@ -60,10 +62,13 @@ impl CandidateState {
         mut stops: Vec<(Stop, Option<Surveyed>)>,
     ) -> Self {
         let first = (!candidate.is_stuck).then_some(candidate.first);
-        if first.is_some() {
-            stops.extend(survey(&candidate.approach).into_iter().map(|stop| (stop, None)));
+        let wanted = candidate.wanted;
+        if first.is_some() && wanted != Wanted::NOTHING {
+            let patch = wanted == Wanted::Everything;
+            let all = survey(&candidate.approach).into_iter();
+            stops.extend(all.map(|stop| (Stop { patch: stop.patch && patch, ..stop }, None)));
         }
-        Self { first, stops, first_task: 0, hit }
+        Self { first, wanted, stops, first_task: 0, hit }
     }
 
     /// Asks for all poses of the survey; its tasks are numbered from `task` on.
@@ -82,14 +87,14 @@ impl CandidateState {
         (a, b): (&BodyView<'_>, &BodyView<'_>),
     ) {
         let Some((stop, surveyed)) = self.stops.get_mut(number) else { return };
-        let seen = seen(stop, &found.supports, [found.zones_a, found.zones_b]);
-        *surveyed = Some(Surveyed {
-            sets: found.summary(a, b),
-            pairs: found.pairs,
-            hash: found.hash,
-            seen,
-        });
-        self.hit.include(found);
+        let zones = self.wanted.of([found.zones_a, found.zones_b]);
+        let seen = seen(stop, &found.supports, zones);
+        let mut sets = SetSummary::default();
+        if self.wanted == Wanted::Everything {
+            sets = found.summary(a, b);
+            self.hit.include(found);
+        }
+        *surveyed = Some(Surveyed { sets, pairs: found.pairs, hash: found.hash, seen });
     }
 
     /// What is known of the contact so far. `open` gives, for a stop whose task is not done, what

@@ -1,7 +1,7 @@
 //! What is asked of workers at once: contacts in the ego's frame, and the persons at stake.
 
 use crate::candidate_state::FirstContact;
-use body::{BodyKind, Meta, Outlines, OwnParameters, Seat};
+use body::{BodyKind, Meta, Outlines, OwnParameters, Seat, Zones};
 use damage::approach::STANDSTILL_M_S;
 use damage::dynamics::delta_v_at_most;
 use damage::party::is_fixed;
@@ -40,6 +40,37 @@ pub(crate) struct Candidate {
     pub(crate) is_assumed_fixed: bool,
     /// The first contact, at travel 0.
     pub(crate) first: FirstContact,
+    pub(crate) wanted: Wanted,
+}
+
+/// What the survey of a contact is to find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// The hit sets at every pose, and the patch: all that is shown of a contact.
+    Everything,
+    /// Which of these zones, of A and of B, are hit: all that any figure of harm depends on. Of a
+    /// member nothing else is shown.
+    Zones([Zones; 2]),
+}
+
+impl Wanted {
+    /// No zone counts.
+    pub(crate) const NOTHING: Self = Self::Zones([Zones(0); 2]);
+
+    /// The zones beside the persons of both parties, as far as the first contact does not hit them.
+    pub(crate) fn beside(parties: [&CollisionParty; 2], first: &FirstContact) -> Self {
+        let seats = parties.map(|party| party.persons.iter().filter_map(|person| person.seat));
+        let all = seats.map(|seats| seats.fold(0, |bits, seat| bits | seat.zone_bit()));
+        Self::Zones([0, 1].map(|side: usize| Zones(all[side] & !first.zones[side].0)))
+    }
+
+    /// Those of the zones found that count.
+    pub(crate) fn of(&self, found: [u16; 2]) -> [u16; 2] {
+        match self {
+            Self::Everything => found,
+            Self::Zones(wanted) => [0, 1].map(|side: usize| found[side] & wanted[side].0),
+        }
+    }
 }
 
 impl Candidate {

@@ -2,10 +2,10 @@
 
 use crate::candidate_state::CandidateState;
 use crate::job_history::JobHistory;
-use crate::request::{Candidate, Request};
+use crate::request::{Candidate, Request, Wanted};
 use crate::request_limits::RequestLimits;
 use crate::strategy::Strategy;
-use body::{BodyView, Meta};
+use body::{BodyView, Meta, Zones};
 use buffers::BufferPool;
 use bvh::{Counters, NodePair, front, section};
 use dispatch::{Closed, Job};
@@ -13,7 +13,7 @@ use geometry::RelativePose;
 use geometry::hash::splitmix64;
 use outlook::Outlook;
 use protocol::{Section, TaskId, WireQuestion, WireTask};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 mod buffers;
 mod choose;
@@ -82,6 +82,8 @@ pub(crate) struct SurveyRun<'w> {
     bodies: &'w [(Meta, BodyView<'w>)],
     /// Per body, the zones that its triangles belong to.
     zones: Vec<u16>,
+    /// The same of sections, by body and node, as far as they were asked for.
+    section_zones: BTreeMap<(u32, u32), Zones>,
     depth: u32,
     candidate_states: Vec<CandidateState>,
     tasks: Vec<TaskState>,
@@ -122,13 +124,14 @@ impl<'w> SurveyRun<'w> {
         buffers: SurveyBuffers,
     ) -> Self {
         let buffers = buffers.for_request(request, bodies);
-        let SurveyBuffers { zones, candidate_states, tasks, waiting, .. } = buffers;
+        let SurveyBuffers { zones, section_zones, candidate_states, tasks, waiting, .. } = buffers;
         let SurveyBuffers { pairs, asked, outlook, spare, .. } = buffers;
         let limits = RequestLimits::default();
         let mut work = Self {
             request,
             bodies,
             zones,
+            section_zones,
             depth,
             candidate_states,
             tasks,
@@ -155,9 +158,19 @@ impl<'w> SurveyRun<'w> {
 
     /// The buffers, for the next request.
     pub(crate) fn into_buffers(self) -> SurveyBuffers {
-        let Self { zones, candidate_states, tasks, waiting, pairs, asked, outlook, spare, .. } =
-            self;
-        SurveyBuffers { zones, candidate_states, tasks, waiting, pairs, asked, outlook, spare }
+        let Self { zones, section_zones, candidate_states, tasks, waiting, .. } = self;
+        let Self { pairs, asked, outlook, spare, .. } = self;
+        SurveyBuffers {
+            zones,
+            section_zones,
+            candidate_states,
+            tasks,
+            waiting,
+            pairs,
+            asked,
+            outlook,
+            spare,
+        }
     }
 
     /// This run with other limits.
@@ -233,6 +246,16 @@ impl<'w> SurveyRun<'w> {
         }
         self.pairs.clear();
         front(a, b, &pose_of(&wire), self.depth, &mut self.pairs, descent);
+        if let Wanted::Zones(wanted) = self.request.candidates[state.candidate].wanted {
+            let mut has = |side: usize, (model, body): (u32, &BodyView<'_>), node: u32| {
+                let known = self.section_zones.entry((model, node));
+                let zones = known.or_insert_with(|| section::zones(body, node));
+                zones.0 & wanted[side].0 != 0
+            };
+            self.pairs.retain(|pair| {
+                has(0, (wire.model_a, a), pair.a) || has(1, (wire.model_b, b), pair.b)
+            });
+        }
         self.slots += self.pairs.len();
         let state = &mut self.tasks[number as usize];
         state.found = Some(self.spare.gathered(a.corners.len(), b.corners.len()));
@@ -412,3 +435,6 @@ impl dispatch::JobSource for SurveyRun<'_> {
         Some(numbers.into_iter().chain(pose).fold(0, |hash, next| splitmix64(hash ^ next)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,9 @@ use super::{Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
 use crate::candidate_state::FirstContact;
 use crate::explain::ContactChain;
-use crate::request::{Candidate, Motions, Request, RequestError, StatedParty, approach, party};
+use crate::request::{
+    Candidate, Motions, Request, RequestError, StatedParty, Wanted, approach, party,
+};
 use crate::work::SurveyRun;
 use body::Zones;
 use bvh::Witness;
@@ -73,6 +75,7 @@ pub(super) fn contact(
     course: &Course<'_>,
     meeting: &NextContact,
     support_of: &impl Fn(usize, DVec3, &mut Option<[f32; 3]>) -> f64,
+    is_member: bool,
 ) -> Result<Candidate, RequestError> {
     let scenario = scenery.scenario;
     let name = &scenario.candidates[course.candidate].name;
@@ -116,6 +119,8 @@ pub(super) fn contact(
         let zone = bodies[side].zones.get(touching.triangles[side] as usize);
         zone.copied().unwrap_or(Zones(0))
     });
+    let first = FirstContact { witness, zones, supports };
+    let wanted = if is_member { Wanted::beside([&a, &b], &first) } else { Wanted::Everything };
     Ok(Candidate {
         name: name.clone(),
         other_name: scenario.parties[other].name.clone(),
@@ -129,7 +134,8 @@ pub(super) fn contact(
         b,
         probability: 1.0,
         is_assumed_fixed: scenario.parties[other].is_unknown,
-        first: FirstContact { witness, zones, supports },
+        first,
+        wanted,
     })
 }
 

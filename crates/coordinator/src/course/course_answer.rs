@@ -204,10 +204,7 @@ impl CourseRow {
         let of_member =
             |expected: &ExpectedRow| expected.contact == 0.0 && expected.spread.is_some();
         let is_known = self.expected.as_ref().is_none_or(of_member);
-        is_known
-            && !self.is_stated_alone
-            && self.contacts.is_empty()
-            && self.open_from_s.is_none()
+        is_known && !self.is_stated_alone && self.contacts.is_empty() && self.open_from_s.is_none()
     }
 }
 

@@ -291,6 +291,7 @@ impl<'r> Rounds<'r> {
             }
         };
         let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
+        let is_member = k >= self.scenery.scenario.candidates.len();
         let course = &mut self.courses[k];
         if course.stuck.is_some() {
             return Ok(None);
@@ -301,7 +302,10 @@ impl<'r> Rounds<'r> {
                 course.way.give_up();
                 return Ok(None);
             }
-            let contact = contact(&self.scenery, &self.people, course, &meeting, &support_of)?;
+            let contact = {
+                let (scenery, people) = (&self.scenery, &self.people);
+                contact(scenery, people, course, &meeting, &support_of, is_member)?
+            };
             let approach = &contact.approach;
             let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
             let parts =

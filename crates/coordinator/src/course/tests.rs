@@ -395,7 +395,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let support_of = |model: usize, d: DVec3, near: &mut Option<[f32; 3]>| {
             support_near(&views[model].1, d, near)
         };
-        let candidate = contact(&scenery, &people, &course, &meeting, &support_of);
+        let candidate = contact(&scenery, &people, &course, &meeting, &support_of, false);
         let candidate = candidate.expect("it closes");
         let request = Request {
             candidates: vec![candidate],

@@ -10,10 +10,10 @@ use crate::candidate_state::CandidateState;
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
-use body::{BodyView, Meta};
+use body::{BodyView, Meta, Zones};
 use bvh::NodePair;
 use protocol::{WireQuestion, WireTask};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// What [`super::SurveyRun::into_buffers`] returns and [`super::SurveyRun::with_buffers`] takes.
 ///
@@ -21,6 +21,7 @@ use std::collections::VecDeque;
 #[derive(Debug, Default)]
 pub(crate) struct SurveyBuffers {
     pub(super) zones: Vec<u16>,
+    pub(super) section_zones: BTreeMap<(u32, u32), Zones>,
     pub(super) candidate_states: Vec<CandidateState>,
     pub(super) tasks: Vec<TaskState>,
     pub(super) waiting: VecDeque<u32>,

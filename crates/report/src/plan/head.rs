@@ -164,9 +164,7 @@ pub(super) fn head(
 /// What a way comes to, in a sentence or two.
 pub(super) fn happens(row: &CourseRow) -> String {
     let mut text = match (row.contacts.as_slice(), row.open_from_s) {
-        ([], None)
-            if row.is_stated_alone || (row.expected.is_some() && !row.touches_nobody()) =>
-        {
+        ([], None) if row.is_stated_alone || (row.expected.is_some() && !row.touches_nobody()) => {
             "In the scene as stated it touches nobody.".to_owned()
         }
         ([], None) if !row.touches_nobody() => {
