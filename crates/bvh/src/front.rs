@@ -57,7 +57,23 @@ pub fn front(
     out: &mut Vec<NodePair>,
     counters: &mut Counters,
 ) {
-    if a.nodes.is_empty() || b.nodes.is_empty() {
+    front_where((a, b), pose, depth, &mut |_| true, out, counters);
+}
+
+/// [`front`] without the pairs that `counts` does not hold for, nor what is below them.
+///
+/// # Panics
+///
+/// As [`front`].
+pub fn front_where(
+    (a, b): (&BodyView<'_>, &BodyView<'_>),
+    pose: &RelativePose,
+    depth: u32,
+    counts: &mut dyn FnMut(NodePair) -> bool,
+    out: &mut Vec<NodePair>,
+    counters: &mut Counters,
+) {
+    if a.nodes.is_empty() || b.nodes.is_empty() || !counts(NodePair::ROOTS) {
         return;
     }
     let descent = Descent::new(a, b, pose);
@@ -82,7 +98,9 @@ pub fn front(
             Side::B => (depth_a, depth_b + 1),
         };
         descent.open(pair, side, counters, |pair| {
-            open.push(Open { pair, depth_a: deeper_a, depth_b: deeper_b });
+            if counts(pair) {
+                open.push(Open { pair, depth_a: deeper_a, depth_b: deeper_b });
+            }
         });
     }
 }

@@ -48,7 +48,7 @@ mod descent;
 mod hits;
 
 pub use build::{Build, BuildError, BuildOptions, Hierarchy, body, build, rebuild, worth_starting};
-pub use front::{NodePair, front};
+pub use front::{NodePair, front, front_where};
 pub use kernel::sweep::{OpenPair, SweepKernel, SweepLimits, SweepSink, SweepTask, Witness};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};
 pub use placement::Placement;

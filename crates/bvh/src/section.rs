@@ -38,13 +38,23 @@ pub fn bytes(nodes: &[Node], node: u32) -> u64 {
         + NODE_BYTES * nodes_of(nodes, node).len() as u64
 }
 
-/// All zones that triangles of the section whose root is `node` belong to. Takes time proportional
-/// to their number; none if the node does not exist.
+/// For every node of a body, all zones that triangles below it belong to.
 #[must_use]
-pub fn zones(body: &BodyView<'_>, node: u32) -> Zones {
-    let range = triangles(body.nodes, node);
-    let below = body.zones.get(range.start as usize..range.end as usize);
-    Zones(below.unwrap_or_default().iter().fold(0, |all, Zones(bits)| all | bits))
+pub fn zones(body: &BodyView<'_>) -> Vec<Zones> {
+    let mut all = vec![Zones(0); body.nodes.len()];
+    // Children are stored after their parent.
+    for (at, node) in body.nodes.iter().enumerate().rev() {
+        let of = |child: usize| all.get(child).map_or(0, |zones| zones.0);
+        let bits = if node.is_leaf() {
+            let first = node.link as usize;
+            let own = body.zones.get(first..first + node.count as usize).unwrap_or_default();
+            own.iter().fold(0, |bits, zones| bits | zones.0)
+        } else {
+            of(at + 1) | of(node.link as usize)
+        };
+        all[at] = Zones(bits);
+    }
+    all
 }
 
 /// The last leaf below `node`, with its number.

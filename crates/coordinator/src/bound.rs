@@ -7,7 +7,7 @@
 
 use crate::gather::Gathered;
 use crate::request::Candidate;
-use body::{BodyView, Zones};
+use body::BodyView;
 use bvh::{NodePair, reach};
 use damage::approach::ROUNDING_M;
 use damage::{Seen, Stop};
@@ -22,11 +22,6 @@ pub(crate) struct Open {
     pub(crate) found: Seen,
     /// What its open jobs may still find.
     pub(crate) reach: Seen,
-}
-
-/// All zones that triangles of a body belong to.
-pub(crate) fn zones(body: &BodyView<'_>) -> u16 {
-    body.zones.iter().fold(0, |all, Zones(bits)| all | bits)
 }
 
 /// What the hulls alone say.

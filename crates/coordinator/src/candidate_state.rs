@@ -37,6 +37,8 @@ pub(crate) struct CandidateState {
     wanted: Wanted,
     /// The poses of the survey, and what was found at those that are done.
     pub(crate) stops: Vec<(Stop, Option<Surveyed>)>,
+    /// Of the zones that are wanted, those that were hit so far, at any stop.
+    found: [u16; 2],
     /// The number of the first stop's task; the others follow.
     first_task: u32,
     /// Triangles hit at any depth.
@@ -64,11 +66,14 @@ impl CandidateState {
         let first = (!candidate.is_stuck).then_some(candidate.first);
         let wanted = candidate.wanted;
         if first.is_some() && wanted != Wanted::NOTHING {
-            let patch = wanted == Wanted::Everything;
-            let all = survey(&candidate.approach).into_iter();
-            stops.extend(all.map(|stop| (Stop { patch: stop.patch && patch, ..stop }, None)));
+            stops.extend(survey(&candidate.approach).into_iter().map(|stop| (stop, None)));
+            if wanted != Wanted::Everything {
+                // The deepest is most likely to show that all of them are hit.
+                stops.reverse();
+                stops.iter_mut().for_each(|(stop, _)| stop.patch = false);
+            }
         }
-        Self { first, wanted, stops, first_task: 0, hit }
+        Self { first, wanted, stops, found: [0; 2], first_task: 0, hit }
     }
 
     /// Asks for all poses of the survey; its tasks are numbered from `task` on.
@@ -78,6 +83,17 @@ impl CandidateState {
             let question = if stop.patch { WireQuestion::Pairs } else { WireQuestion::Sets };
             asked.push((number, stop.travel_m, question));
         }
+    }
+
+    /// Notes zones that were hit.
+    pub(crate) fn note(&mut self, zones: [u16; 2]) {
+        let zones = self.wanted.of(zones);
+        self.found.iter_mut().zip(zones).for_each(|(found, zones)| *found |= zones);
+    }
+
+    /// Whether nothing that is left to do can show anything that is wanted.
+    pub(crate) fn is_moot(&self) -> bool {
+        matches!(self.wanted, Wanted::Zones(wanted) if wanted.map(|zones| zones.0) == self.found)
     }
 
     pub(crate) fn surveyed(
@@ -107,6 +123,11 @@ impl CandidateState {
         // Contact may be so slight, or so brief, that no pose of the survey meets it.
         let seen = Seen { patch: supports, zones_a, zones_b };
         evidence.add_hits(witness.travel_m, &seen);
+        if self.is_moot() {
+            let [zones_a, zones_b] = self.found.map(Zones);
+            evidence.add_hits(witness.travel_m, &Seen { zones_a, zones_b, ..Seen::NOTHING });
+            return evidence;
+        }
         for (number, (stop, surveyed)) in self.stops.iter().enumerate() {
             if let Some(surveyed) = surveyed {
                 evidence.add_hits(stop.travel_m, &surveyed.seen);

@@ -7,13 +7,13 @@ use crate::request_limits::RequestLimits;
 use crate::strategy::Strategy;
 use body::{BodyView, Meta, Zones};
 use buffers::BufferPool;
-use bvh::{Counters, NodePair, front, section};
+use bvh::{Counters, NodePair, front, front_where, section};
 use dispatch::{Closed, Job};
 use geometry::RelativePose;
 use geometry::hash::splitmix64;
 use outlook::Outlook;
 use protocol::{Section, TaskId, WireQuestion, WireTask};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 mod buffers;
 mod choose;
@@ -80,10 +80,8 @@ impl Effort {
 pub(crate) struct SurveyRun<'w> {
     request: &'w Request,
     bodies: &'w [(Meta, BodyView<'w>)],
-    /// Per body, the zones that its triangles belong to.
-    zones: Vec<u16>,
-    /// The same of sections, by body and node, as far as they were asked for.
-    section_zones: BTreeMap<(u32, u32), Zones>,
+    /// Per body and node, the zones that triangles below belong to.
+    zones: Vec<Vec<Zones>>,
     depth: u32,
     candidate_states: Vec<CandidateState>,
     tasks: Vec<TaskState>,
@@ -124,14 +122,13 @@ impl<'w> SurveyRun<'w> {
         buffers: SurveyBuffers,
     ) -> Self {
         let buffers = buffers.for_request(request, bodies);
-        let SurveyBuffers { zones, section_zones, candidate_states, tasks, waiting, .. } = buffers;
+        let SurveyBuffers { zones, candidate_states, tasks, waiting, .. } = buffers;
         let SurveyBuffers { pairs, asked, outlook, spare, .. } = buffers;
         let limits = RequestLimits::default();
         let mut work = Self {
             request,
             bodies,
             zones,
-            section_zones,
             depth,
             candidate_states,
             tasks,
@@ -158,19 +155,9 @@ impl<'w> SurveyRun<'w> {
 
     /// The buffers, for the next request.
     pub(crate) fn into_buffers(self) -> SurveyBuffers {
-        let Self { zones, section_zones, candidate_states, tasks, waiting, .. } = self;
+        let Self { zones, candidate_states, tasks, waiting, .. } = self;
         let Self { pairs, asked, outlook, spare, .. } = self;
-        SurveyBuffers {
-            zones,
-            section_zones,
-            candidate_states,
-            tasks,
-            waiting,
-            pairs,
-            asked,
-            outlook,
-            spare,
-        }
+        SurveyBuffers { zones, candidate_states, tasks, waiting, pairs, asked, outlook, spare }
     }
 
     /// This run with other limits.
@@ -245,16 +232,18 @@ impl<'w> SurveyRun<'w> {
             job_history.ask(TaskId(number), state);
         }
         self.pairs.clear();
-        front(a, b, &pose_of(&wire), self.depth, &mut self.pairs, descent);
-        if let Wanted::Zones(wanted) = self.request.candidates[state.candidate].wanted {
-            let mut has = |side: usize, (model, body): (u32, &BodyView<'_>), node: u32| {
-                let known = self.section_zones.entry((model, node));
-                let zones = known.or_insert_with(|| section::zones(body, node));
-                zones.0 & wanted[side].0 != 0
-            };
-            self.pairs.retain(|pair| {
-                has(0, (wire.model_a, a), pair.a) || has(1, (wire.model_b, b), pair.b)
-            });
+        match self.request.candidates[state.candidate].wanted {
+            Wanted::Everything => {
+                front(a, b, &pose_of(&wire), self.depth, &mut self.pairs, descent);
+            }
+            Wanted::Zones(wanted) => {
+                let zones = [wire.model_a, wire.model_b].map(|model| &self.zones[model as usize]);
+                let has =
+                    |side: usize, node: u32| zones[side][node as usize].0 & wanted[side].0 != 0;
+                let mut counts = |pair: NodePair| has(0, pair.a) || has(1, pair.b);
+                let (depth, pairs) = (self.depth + ZONES_DEEPER, &mut self.pairs);
+                front_where((a, b), &pose_of(&wire), depth, &mut counts, pairs, descent);
+            }
         }
         self.slots += self.pairs.len();
         let state = &mut self.tasks[number as usize];
@@ -264,6 +253,12 @@ impl<'w> SurveyRun<'w> {
 
     /// Hands out jobs of a task, as many as the strategy allows at once.
     fn hand_out(&mut self, number: u32, jobs: &mut Vec<Job>) {
+        if self.candidate_states[self.tasks[number as usize].candidate].is_moot() {
+            // Whatever is left of it is not needed.
+            self.tasks[number as usize].todo.clear();
+            self.waiting.retain(|waiting| *waiting != number);
+            return;
+        }
         if !self.tasks[number as usize].is_descended {
             self.descend(number);
         }
@@ -327,6 +322,10 @@ impl<'w> SurveyRun<'w> {
     }
 }
 
+/// How many levels deeper the trees are cut where only zones are wanted: what does not belong to
+/// them is left out at once.
+const ZONES_DEEPER: u32 = 3;
+
 /// Maximum number of jobs of a request: what exceeds it stays open.
 const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
 
@@ -380,8 +379,9 @@ impl dispatch::JobSource for SurveyRun<'_> {
         }
     }
 
-    fn is_obsolete(&self, _: &Job) -> bool {
-        false
+    fn is_obsolete(&self, job: &Job) -> bool {
+        let task = self.tasks.get(job.task.0 as usize);
+        task.is_some_and(|task| self.candidate_states[task.candidate].is_moot())
     }
 
     fn fold(&mut self, job: &Job, part: PartOf<'_>) {
@@ -389,6 +389,7 @@ impl dispatch::JobSource for SurveyRun<'_> {
         let pair = NodePair { a: job.a.node, b: job.b.node };
         let Some(found) = &mut state.found else { return };
         let sound = found.fold(part.0, &mut self.effort.jobs);
+        self.candidate_states[state.candidate].note([found.zones_a, found.zones_b]);
         state.store_rest(pair, &part.0, &mut self.spare.rests);
         if !sound || !state.is_whole(pair, &part.0) {
             self.lose(job.task.0, pair);

@@ -5,23 +5,21 @@
 //! from one request to the next; no finding does.
 
 use super::{Outlook, TaskState};
-use crate::bound;
 use crate::candidate_state::CandidateState;
 use crate::gather::Gathered;
 use crate::request::Request;
 use crate::strategy::Prospect;
 use body::{BodyView, Meta, Zones};
-use bvh::NodePair;
+use bvh::{NodePair, section};
 use protocol::{WireQuestion, WireTask};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 /// What [`super::SurveyRun::into_buffers`] returns and [`super::SurveyRun::with_buffers`] takes.
 ///
 /// It must not be used with other bodies: it holds the zones of its own.
 #[derive(Debug, Default)]
 pub(crate) struct SurveyBuffers {
-    pub(super) zones: Vec<u16>,
-    pub(super) section_zones: BTreeMap<(u32, u32), Zones>,
+    pub(super) zones: Vec<Vec<Zones>>,
     pub(super) candidate_states: Vec<CandidateState>,
     pub(super) tasks: Vec<TaskState>,
     pub(super) waiting: VecDeque<u32>,
@@ -49,7 +47,7 @@ impl SurveyBuffers {
         bodies: &[(Meta, BodyView<'_>)],
     ) -> Self {
         if self.zones.is_empty() {
-            self.zones.extend(bodies.iter().map(|(_, body)| bound::zones(body)));
+            self.zones.extend(bodies.iter().map(|(_, body)| section::zones(body)));
         }
         self.waiting.clear();
         self.asked.clear();

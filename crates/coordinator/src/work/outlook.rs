@@ -138,7 +138,8 @@ impl SurveyRun<'_> {
     /// [`SurveyRun::evidence`]; `by_cache` takes reaches as last computed, which may be too wide.
     fn evidence_by(&self, k: usize, by_cache: bool) -> Evidence {
         let candidate = &self.request.candidates[k];
-        let zones = [candidate.model_a, candidate.model_b].map(|m| self.zones[m as usize]);
+        let zones = [candidate.model_a, candidate.model_b]
+            .map(|model| self.zones[model as usize].first().map_or(0, |zones| zones.0));
         self.candidate_states[k].evidence(|task, stop| {
             let state = &self.tasks[task as usize];
             let Some(found) = state.found.as_ref().filter(|_| state.done > 0) else {
