@@ -16,10 +16,11 @@ use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
+use body::Outlines;
 use bvh::support::{Extremes, support_near};
 use damage::approach::STANDSTILL_M_S;
-use damage::course::PASSED_M;
-use damage::{CandidateHarm, CourseHarm, Criteria, expected};
+use damage::course::{PASSED_M, Severity};
+use damage::{Basis, CandidateHarm, CourseHarm, Criteria, Evidence, assess, expected};
 use executor::encounter::{Encounters, LookOutcome};
 use geometry::DVec3;
 use runtime::clock;
@@ -104,6 +105,26 @@ pub(super) fn means(harms: &[Vec<CourseHarm>]) -> Vec<CourseHarm> {
     let candidates = harms.first().map_or(0, Vec::len);
     let mean = |k: usize| expected::mean(harms.iter().map(move |member| &member[k]));
     (0..candidates).map(mean).collect()
+}
+
+/// Whether a contact is light for the ego, which its plane alone decides.
+fn stays_light<'o>(
+    contact: &Candidate,
+    criteria: &Criteria,
+    outlines: &impl Fn(u32) -> &'o Outlines,
+) -> Result<bool, RequestError> {
+    let Criteria { curves, policy, parameters } = criteria;
+    if contact.is_stuck {
+        return Ok(false);
+    }
+    if !contact.may_be_heavy(parameters) {
+        return Ok(true);
+    }
+    contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
+    let basis = Basis { curves, level: policy.outcome, parameters };
+    let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
+        .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
+    Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
 }
 
 impl<'r> Rounds<'r> {
@@ -312,8 +333,8 @@ impl<'r> Rounds<'r> {
                 !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
             match meeting.begin {
                 Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
-                // It was assessed before, and stays as light as it was.
-                Begin::Again if !contact.may_be_heavy(&self.request.criteria.parameters) => {
+                // It was assessed before, and stays as light as it was: no survey changes that.
+                Begin::Again if stays_light(&contact, &self.request.criteria, &outlines)? => {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {
