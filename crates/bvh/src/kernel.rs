@@ -102,6 +102,13 @@ pub trait Sink {
         ControlFlow::Continue(())
     }
 
+    /// Whether of all pairs only that with the least source ids counts, A's first: then leaves that
+    /// cannot have it are not tested, and [`Outcome::pairs`], hashes and hits are not those of all.
+    /// Only for [`Question::Pairs`].
+    fn seeks_least(&self) -> bool {
+        false
+    }
+
     /// Called about every [`BEAT_TESTS`] tests with the number of tests done in this job so far.
     fn beat(&mut self, tests: u64) -> ControlFlow<()>;
 }

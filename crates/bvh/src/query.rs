@@ -437,6 +437,10 @@ impl Sink for Least<'_, '_> {
         self.spend(a.len() as u64)
     }
 
+    fn seeks_least(&self) -> bool {
+        true
+    }
+
     fn beat(&mut self, _: u64) -> ControlFlow<()> {
         (self.watch)(BEAT_TESTS)?;
         self.spend(BEAT_TESTS)

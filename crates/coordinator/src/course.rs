@@ -48,6 +48,7 @@ mod member;
 mod persons;
 mod plan_scene;
 mod rounds;
+mod search;
 mod stages;
 mod stop;
 #[cfg(any(test, feature = "faults"))]

@@ -49,20 +49,22 @@ pub(crate) struct Looked {
 
 impl Backend {
     /// Looks, as far as there is time: until `due_ns` (monotonic), or until `is_due`, which is
-    /// asked by looks in this process.
+    /// asked by looks in this process. `meanwhile` is called while workers look, and has nothing to
+    /// do any more once it returns `false`.
     pub(crate) fn look(
         &mut self,
         asked: &[AskedLook<'_>],
         bodies: &[(Meta, BodyView<'_>)],
         encounters: &mut Encounters,
         (due_ns, is_due): (Option<u64>, Option<&dyn Fn() -> bool>),
+        meanwhile: &mut dyn FnMut() -> bool,
     ) -> Result<Looked, WorkerPoolError> {
         // A single look is done sooner here.
         let is_for_workers = asked.len() > 1 && asked.iter().all(AskedLook::fits);
         match self {
             // Bodies that are copied are so for the sections of jobs.
             Self::Workers(pool) if is_for_workers && !pool.copies() => {
-                pool.look(asked, bodies, due_ns)
+                pool.look(asked, bodies, due_ns, meanwhile)
             }
             Self::Workers(_) | Self::InProcess(_) => Ok(look_here(asked, encounters, is_due)),
         }
@@ -99,11 +101,13 @@ impl WorkerPool {
         asked: &[AskedLook<'_>],
         bodies: &[(Meta, BodyView<'_>)],
         due_ns: Option<u64>,
+        meanwhile: &mut dyn FnMut() -> bool,
     ) -> Result<Looked, WorkerPoolError> {
         let mut looked = Looked { by_workers: true, ..Looked::default() };
         let mut left = asked;
         while !left.is_empty() {
-            let mut run = LookRun::of(left, bodies, OUT_PER_WORKER * self.size(), due_ns);
+            let most_out = OUT_PER_WORKER * self.size();
+            let mut run = LookRun::of(left, bodies, (most_out, due_ns), meanwhile);
             self.write_paths(&run.words);
             left = &left[run.asked.len()..];
             self.work_off_unlogged(&mut run)?;
@@ -129,6 +133,7 @@ struct LookRun<'r, 'p> {
     out: usize,
     most_out: usize,
     due_ns: Option<u64>,
+    meanwhile: &'r mut dyn FnMut() -> bool,
 }
 
 /// Where a path lies in memory, its length (words), and the sum over its words.
@@ -139,8 +144,8 @@ impl<'r, 'p> LookRun<'r, 'p> {
     fn of(
         asked: &'r [AskedLook<'p>],
         bodies: &'r [(Meta, BodyView<'r>)],
-        most_out: usize,
-        due_ns: Option<u64>,
+        (most_out, due_ns): (usize, Option<u64>),
+        meanwhile: &'r mut dyn FnMut() -> bool,
     ) -> Self {
         let mut words = Vec::new();
         // Paths of this run, all of which live as long as it: their addresses tell them apart.
@@ -179,7 +184,7 @@ impl<'r, 'p> LookRun<'r, 'p> {
         let seen = vec![None; asked.len()];
         let (next, out) = (0, 0);
         let counters = Counters::default();
-        Self { asked, bodies, tasks, words, seen, counters, next, out, most_out, due_ns }
+        Self { asked, bodies, tasks, words, seen, counters, next, out, most_out, due_ns, meanwhile }
     }
 }
 
@@ -198,6 +203,10 @@ impl TaskSource for LookRun<'_, '_> {
 
     fn is_over(&self, now_ns: u64) -> bool {
         self.due_ns.is_some_and(|due_ns| due_ns <= now_ns)
+    }
+
+    fn use_spare_time(&mut self) -> bool {
+        (self.meanwhile)()
     }
 }
 

@@ -46,6 +46,8 @@ pub(super) struct Found<'a> {
     /// then reset to their earlier values. Sets, zones and supports need no reset.
     pub(super) sums: Sums,
     sink: &'a mut dyn Sink,
+    /// If only the least pair counts: the least id of A so far.
+    least_a: Option<u32>,
     /// Number of tests at which the sink is called next.
     beat_at: u64,
     zones_a: u16,
@@ -66,6 +68,7 @@ impl<'a> Found<'a> {
             hits_b,
             counters: Counters::default(),
             sums: Sums::default(),
+            least_a: sink.seeks_least().then_some(u32::MAX),
             sink,
             beat_at: BEAT_TESTS,
             zones_a: 0,
@@ -111,6 +114,14 @@ impl<'a> Found<'a> {
         self.task.question == Question::Sets && self.hits_a.has(a) && self.hits_b.has(b)
     }
 
+    /// Whether no pair of these triangles of A, a range of their numbers, can add to the result.
+    #[inline]
+    pub(super) fn is_beaten(&self, first: u32, count: u32) -> bool {
+        let Some(least) = self.least_a else { return false };
+        let ids = &self.task.a.source_ids[first as usize..(first + count) as usize];
+        ids.iter().all(|id| *id > least)
+    }
+
     /// Announces which triangles of A and of B will be tested, each body's in ascending order.
     /// Hits, ids and zones are prefetched: the time between this call and [`Found::take`] hides the
     /// memory latency.
@@ -152,6 +163,10 @@ impl<'a> Found<'a> {
             self.sink.pairs(a, b).map_break(|()| Halt::Stopped)?;
         }
         let (view_a, view_b) = (&self.task.a, &self.task.b);
+        if let Some(least) = &mut self.least_a {
+            *least = a.iter().fold(*least, |least, a| least.min(view_a.source_ids[*a as usize]));
+            return ControlFlow::Continue(());
+        }
         let (mut places, mut hash) = ([Places::default(); 2], 0_u64);
         for (&a, &b) in a.iter().zip(b) {
             places[0].insert((a - first[0]) as usize);

@@ -87,6 +87,9 @@ impl Leaves<'_, '_> {
     }
 
     fn test_batches(&mut self, leaf_a: &Node, leaf_b: &Node) -> ControlFlow<Halt> {
+        if self.found.is_beaten(leaf_a.link, leaf_a.count) {
+            return ControlFlow::Continue(());
+        }
         let box_a = leaf_a.bounds.bounds();
         let box_b = self.found.task.pose.bounds(&leaf_b.bounds);
         let end = leaf_a.link + leaf_a.count;

@@ -275,6 +275,9 @@ impl Walk<'_, '_> {
     fn collect<S: Simd>(&mut self, simd: S, pair: NodePair) -> ControlFlow<Halt> {
         let (a, b) = (leaf(self.tree_a.from(pair.a)), leaf(self.tree_b.from(pair.b)));
         let first = [a[0].first, b[0].first];
+        if self.found.is_beaten(first[0], a[0].count) {
+            return ControlFlow::Continue(());
+        }
         let known = self.known(first);
         let patches = (&mut *self.patch_a, &mut *self.patch_b);
         self.found.counters.nb += u64::from(a[0].count + b[0].count);

@@ -241,18 +241,20 @@ impl<'s> Surveyor<'s> {
     }
 
     /// Looks at bodies on their ways, as far as there is time, or as far as it was done. `is_due`
-    /// says whether there is none.
+    /// says whether there is none. While workers look, `meanwhile` is called, which does a little
+    /// of what else is to be done; `false` if there is nothing.
     pub(super) fn look(
         &mut self,
         asked: &[AskedLook<'_>],
         stage: &BodySet<'_>,
         encounters: &mut Encounters,
         is_due: Option<&dyn Fn() -> bool>,
+        meanwhile: &mut dyn FnMut() -> bool,
     ) -> Result<Looked, WorkerPoolError> {
         match self {
             Self::Backend { backend, due_ns, looks, open_looks, .. } => {
                 let limits = (*due_ns, is_due);
-                let looked = backend.look(asked, stage.bodies, encounters, limits)?;
+                let looked = backend.look(asked, stage.bodies, encounters, limits, meanwhile)?;
                 let numbered = (*looks..).zip(&looked.seen);
                 let open = numbered.filter(|(_, seen)| seen.is_none());
                 open_looks.extend(open.map(|(number, _)| OpenLook { number }));

@@ -1,31 +1,25 @@
 //! The work on a request: contacts are searched for in all candidates and members, and surveyed in
 //! rounds.
 
-use super::assessed_contact::{assessed, contact, settle};
-use super::history::{SearchClock, Surveyor};
+use super::assessed_contact::{assessed, settle};
+use super::history::Surveyor;
 use super::member::Members;
 use super::persons::People;
 use super::plan_scene::ContactScene;
 use super::stop::{MayBeClose, Stop};
-use super::way::{Begin, NextContact, Scenery};
+use super::way::{NextContact, Scenery};
 use super::{Course, CourseEffort, CourseRequest, harm_of};
 use crate::explain::contact_chain;
-use crate::looks::AskedLook;
-use crate::request::{Candidate, Request, RequestError};
+use crate::request::{Request, RequestError};
 use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
-use body::Outlines;
-use bvh::support::{Extremes, support_near};
-use damage::approach::STANDSTILL_M_S;
-use damage::course::{PASSED_M, Severity};
-use damage::{Basis, CandidateHarm, CourseHarm, Criteria, Evidence, assess, expected};
-use executor::encounter::{Encounters, LookOutcome};
-use geometry::DVec3;
+use bvh::support::Extremes;
+use damage::{CandidateHarm, CourseHarm, expected};
+use executor::encounter::Encounters;
 use runtime::clock;
 use serde::Serialize;
-use std::ops::Range;
 use std::rc::Rc;
 
 /// What the search for contacts has taken.
@@ -45,8 +39,8 @@ pub struct EncounterEffort {
 
 /// The candidates of a request while they are followed.
 pub(super) struct Rounds<'r> {
-    stage: &'r BodySet<'r>,
-    request: &'r CourseRequest<'r>,
+    pub(super) stage: &'r BodySet<'r>,
+    pub(super) request: &'r CourseRequest<'r>,
     pub(super) scenery: Scenery<'r>,
     pub(super) people: People,
     /// All candidates in the scene as stated, then in each member.
@@ -60,7 +54,7 @@ pub(super) struct Rounds<'r> {
     pub(super) is_part: bool,
     /// The extremes of each body, as far as they were asked for: for members, of whom each asks
     /// much the same.
-    extremes: Vec<Extremes>,
+    pub(super) extremes: Vec<Extremes>,
     buffers: SurveyBuffers,
 }
 
@@ -69,7 +63,7 @@ pub(super) struct Round {
     /// The number of the course and its contact, in the order of the courses.
     pub(super) meetings: Vec<(usize, NextContact)>,
     /// The same as candidates of a request.
-    contacts: Request,
+    pub(super) contacts: Request,
 }
 
 impl Round {
@@ -96,7 +90,7 @@ impl Round {
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
     let mut rounds = Rounds::new(stage, request, Until::Complete);
     let mut surveyor = Surveyor::replay(&[], &[]);
-    let time = SearchClock::until(None);
+    let time = super::history::SearchClock::until(None);
     rounds.search(&mut surveyor, &time).expect("they can be assessed").contacts
 }
 
@@ -105,26 +99,6 @@ pub(super) fn means(harms: &[Vec<CourseHarm>]) -> Vec<CourseHarm> {
     let candidates = harms.first().map_or(0, Vec::len);
     let mean = |k: usize| expected::mean(harms.iter().map(move |member| &member[k]));
     (0..candidates).map(mean).collect()
-}
-
-/// Whether a contact is light for the ego, which its plane alone decides.
-fn stays_light<'o>(
-    contact: &Candidate,
-    criteria: &Criteria,
-    outlines: &impl Fn(u32) -> &'o Outlines,
-) -> Result<bool, RequestError> {
-    let Criteria { curves, policy, parameters } = criteria;
-    if contact.is_stuck {
-        return Ok(false);
-    }
-    if !contact.may_be_heavy(parameters) {
-        return Ok(true);
-    }
-    contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
-    let basis = Basis { curves, level: policy.outcome, parameters };
-    let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
-        .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
-    Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
 }
 
 impl<'r> Rounds<'r> {
@@ -174,185 +148,18 @@ impl<'r> Rounds<'r> {
     }
 
     /// How many members there are; 0: the candidates are followed in the scene as stated alone.
-    fn drawn(&self) -> usize {
+    pub(super) fn drawn(&self) -> usize {
         self.members.list.len() - 1
     }
 
     /// Whether work may end before all of it is done.
-    fn is_watched(&self) -> bool {
+    pub(super) fn is_watched(&self) -> bool {
         self.stop.is_watched() && !self.is_part
-    }
-
-    /// Searches for the contact that comes next in every course, as far as that matters, and as far
-    /// as there is time.
-    pub(super) fn search(
-        &mut self,
-        surveyor: &mut Surveyor<'_>,
-        time: &SearchClock,
-    ) -> Result<Round, RunError> {
-        let begun_ns = clock::now_ns();
-        let (mut meetings, mut contacts) = (Vec::new(), Vec::new());
-        let mut from = 0;
-        while from < self.courses.len() {
-            let block = from..(from + self.block()).min(self.courses.len());
-            from = block.end;
-            let is_open = |k: &usize| self.courses[*k].is_open();
-            let mut open: Vec<(usize, Option<_>)> =
-                block.clone().filter(is_open).map(|k| (k, None)).collect();
-            if open.is_empty() {
-                continue;
-            }
-            // Each look is at a later time than the last one at that party.
-            loop {
-                self.look(&block, surveyor, time)?;
-                for (k, found) in open.iter_mut().filter(|(_, found)| found.is_none()) {
-                    *found = self.next(*k, time)?;
-                }
-                if !self.courses[block.clone()].iter().any(Course::needs_looks) {
-                    break;
-                }
-            }
-            let mut is_one_over = false;
-            for (k, found) in open {
-                match found {
-                    Some((meeting, contact)) => {
-                        meetings.push((k, meeting));
-                        contacts.push(contact);
-                    }
-                    None => is_one_over |= !self.courses[k].is_open(),
-                }
-            }
-            if is_one_over && self.is_decided(&[])? {
-                break;
-            }
-        }
-        self.effort.search_ns += clock::now_ns() - begun_ns;
-        // Its candidates are fewer, so their numbers are others.
-        let policy = self
-            .request
-            .criteria
-            .policy
-            .among(contacts.iter().map(|contact| contact.name.as_str()));
-        let criteria = Criteria { policy, ..self.request.criteria.clone() };
-        let contacts =
-            Request { candidates: contacts, persons: self.people.list.clone(), criteria };
-        Ok(Round { meetings, contacts })
-    }
-
-    /// How many courses are searched together. Where work may end early, after each candidate there
-    /// may be nothing left to do; of members only after all candidates together.
-    fn block(&self) -> usize {
-        match (self.is_watched(), self.drawn()) {
-            (false, _) => self.courses.len(),
-            (true, 0) => 1,
-            (true, _) => self.scenery.scenario.candidates.len(),
-        }
-    }
-
-    /// Looks at whomever these courses may meet next.
-    fn look(
-        &mut self,
-        block: &Range<usize>,
-        surveyor: &mut Surveyor<'_>,
-        time: &SearchClock,
-    ) -> Result<(), RunError> {
-        let is_past = || time.is_past();
-        let is_due = time.is_watched().then_some(&is_past as &dyn Fn() -> bool);
-        let (scenery, encounters) = (self.scenery, &mut self.encounters);
-        let courses = &mut self.courses[block.clone()];
-        for course in courses.iter_mut().filter(|course| course.needs_looks()) {
-            course.way.prepare(encounters);
-        }
-        let (mut asked, mut far) = (Vec::new(), Vec::new());
-        let (mut of_asked, search) = (Vec::new(), &mut self.effort.search);
-        for (k, course) in courses.iter().enumerate().filter(|(_, course)| course.needs_looks()) {
-            for (party, look) in course.way.looks() {
-                search.encounters += 1;
-                if !look.may_touch && look.ways.are_far(&(look.from_s..look.end_s)) {
-                    far.push((k, party));
-                    continue;
-                }
-                search.in_trees += 1;
-                of_asked.push((k, party));
-                asked.push(AskedLook { models: scenery.numbers(party), look });
-            }
-        }
-        if !asked.is_empty() {
-            let looked = surveyor.look(&asked, self.stage, encounters, is_due)?;
-            drop(asked);
-            search.nb += looked.counters.nb;
-            search.np += looked.counters.np;
-            if looked.by_workers {
-                search.jobs += looked.seen.len() as u64;
-                self.reports.extend(surveyor.report());
-            }
-            for ((k, party), seen) in of_asked.into_iter().zip(looked.seen) {
-                courses[k].way.learn(party, seen, encounters);
-            }
-        }
-        for (k, party) in far {
-            courses[k].way.learn(party, Some(LookOutcome::Never), encounters);
-        }
-        Ok(())
-    }
-
-    /// The next contact of a course that has to be surveyed; `None`, too, if that needs a look, or
-    /// there is no time.
-    fn next(
-        &mut self,
-        k: usize,
-        time: &SearchClock,
-    ) -> Result<Option<(NextContact, Candidate)>, RequestError> {
-        let (stage, extremes) = (self.stage, &self.extremes[..]);
-        let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
-            let view = &stage.bodies[model].1;
-            match stage.extremes.unwrap_or(extremes).get(model) {
-                Some(extremes) => extremes.support(view, direction),
-                None => support_near(view, direction, near),
-            }
-        };
-        let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
-        let is_member = k >= self.scenery.scenario.candidates.len();
-        let course = &mut self.courses[k];
-        if course.stuck.is_some() {
-            return Ok(None);
-        }
-        while let Some(meeting) = course.way.next() {
-            // How it comes about, and its plane, take a millisecond where bodies are large.
-            if time.has_limit() && time.is_over() {
-                course.way.give_up();
-                return Ok(None);
-            }
-            let contact = {
-                let (scenery, people) = (&self.scenery, &self.people);
-                contact(scenery, people, course, &meeting, &support_of, is_member)?
-            };
-            let approach = &contact.approach;
-            let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
-            let parts =
-                !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
-            match meeting.begin {
-                Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
-                // It was assessed before, and stays as light as it was: no survey changes that.
-                Begin::Again if stays_light(&contact, &self.request.criteria, &outlines)? => {
-                    course.way.pass(&meeting, closing_m_s, extent_m);
-                }
-                Begin::AtStart | Begin::Again | Begin::Touched => {
-                    if time.has_limit() {
-                        // After the deadline nothing may be left to do but to assess what was
-                        // found.
-                        contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
-                    }
-                    return Ok(Some((meeting, contact)));
-                }
-            }
-        }
-        Ok(None)
     }
 
     /// Whether no open work can change what was asked for. `found` are contacts that are not
     /// surveyed, and what is known of them.
-    fn is_decided(
+    pub(super) fn is_decided(
         &mut self,
         found: &[(usize, NextContact, CandidateHarm)],
     ) -> Result<bool, RequestError> {

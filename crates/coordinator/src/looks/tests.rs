@@ -34,12 +34,13 @@ fn paths_that_do_not_fit_together_go_one_after_the_other() {
     let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).expect("sound");
     let long = [30_000, 30_001, 30_002].map(path);
     let looks: Vec<_> = long.iter().map(|long| asked(&car, [&still, long])).collect();
-    let first = LookRun::of(&looks, &bodies, 3, None);
+    let mut idle = || false;
+    let first = LookRun::of(&looks, &bodies, (3, None), &mut idle);
     assert_eq!(first.asked.len(), 2);
     // The path that they share is there once.
     assert_eq!(first.words.len(), (2 + 30_000 + 30_001) * STATE_WORDS);
     assert!(first.words.len() <= launch::PATHS_WORDS);
-    let rest = LookRun::of(&looks[2..], &bodies, 3, None);
+    let rest = LookRun::of(&looks[2..], &bodies, (3, None), &mut idle);
     assert_eq!((rest.asked.len(), rest.words.len()), (1, (2 + 30_002) * STATE_WORDS));
     assert!(looks.iter().all(AskedLook::fits));
     let longest = path(65_536);
@@ -56,7 +57,8 @@ fn what_is_no_answer_leaves_a_look_open() {
     let here = look_here(&looks, &mut Encounters::default(), None);
     let met = here.seen[0].expect("it was looked");
     assert!(matches!(met, LookOutcome::Contact(_)), "{met:?}");
-    let mut run = LookRun::of(&looks, &bodies, 3, None);
+    let mut idle = || false;
+    let mut run = LookRun::of(&looks, &bodies, (3, None), &mut idle);
     let mut jobs = Vec::new();
     for _ in 0..9 {
         run.more(&mut jobs);
