@@ -106,9 +106,10 @@ impl Rounds<'_> {
         let mut looked_at: Vec<usize> = Vec::new();
         // Each look is at a later time than the last one at that party.
         while !(waiting.is_empty() && looked_at.is_empty()) {
-            let now: Vec<usize> = waiting.drain(..together.min(waiting.len())).collect();
-            let of = |numbers: &[usize]| numbers.iter().map(|n| open[*n]).collect::<Vec<_>>();
-            let next = self.look(block, &of(&now), &of(&looked_at), surveyor, time)?;
+            let mut now: Vec<usize> = waiting.drain(..together.min(waiting.len())).collect();
+            now.sort_unstable();
+            let numbers = |of: &[usize]| of.iter().map(|number| open[*number]).collect::<Vec<_>>();
+            let next = self.look(block, &numbers(&now), &numbers(&looked_at), surveyor, time)?;
             for (number, next) in looked_at.into_iter().zip(next) {
                 found[number] = next;
                 if found[number].is_none() && self.courses[open[number]].needs_looks() {
