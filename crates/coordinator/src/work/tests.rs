@@ -36,11 +36,11 @@ fn moved(request: &Request, rng: &mut Rng) -> Request {
 fn zones_that_are_wanted_are_found_as_by_a_whole_survey() {
     fixtures::with(|request, bodies| {
         let mut rng = Rng::new(34);
-        let (mut hit, mut tests) = (0, [0, 0]);
+        let mut hit = 0;
         for depth in [0, 3, 6] {
             for _ in 0..20 {
                 let mut request = moved(request, &mut rng);
-                let (whole, _, all) = surveyed(&request, bodies, depth);
+                let (whole, ..) = surveyed(&request, bodies, depth);
                 let mut asked = Vec::new();
                 for candidate in &mut request.candidates {
                     let bits =
@@ -48,8 +48,7 @@ fn zones_that_are_wanted_are_found_as_by_a_whole_survey() {
                     candidate.wanted = Wanted::Zones(bits);
                     asked.push(bits);
                 }
-                let (part, _, some) = surveyed(&request, bodies, depth);
-                tests = [tests[0] + all, tests[1] + some];
+                let (part, ..) = surveyed(&request, bodies, depth);
                 for (k, wanted) in asked.iter().enumerate() {
                     let first = request.candidates[k].first.zones;
                     for side in 0..2 {
@@ -63,7 +62,7 @@ fn zones_that_are_wanted_are_found_as_by_a_whole_survey() {
                 }
             }
         }
-        assert!(hit > 100 && 2 * tests[1] < tests[0], "{hit} zones, {tests:?} tests");
+        assert!(hit > 100, "{hit} zones");
     });
 }
 
@@ -71,14 +70,15 @@ fn zones_that_are_wanted_are_found_as_by_a_whole_survey() {
 fn harm_is_that_of_a_whole_survey() {
     fixtures::with(|request, bodies| {
         let mut rng = Rng::new(35);
-        let mut intruded = 0;
+        let (mut intruded, mut tests) = (0, [0, 0]);
         for _ in 0..60 {
             let mut request = moved(request, &mut rng);
-            let (_, whole, _) = surveyed(&request, bodies, 4);
+            let (_, whole, all) = surveyed(&request, bodies, 4);
             for candidate in &mut request.candidates {
                 candidate.wanted = Wanted::beside([&candidate.a, &candidate.b], &candidate.first);
             }
-            let (_, part, _) = surveyed(&request, bodies, 4);
+            let (_, part, some) = surveyed(&request, bodies, 4);
+            tests = [tests[0] + all, tests[1] + some];
             for (part, whole) in part.iter().zip(&whole) {
                 assert_eq!(part.persons, whole.persons);
                 assert_eq!((part.delta_v, part.energy_j), (whole.delta_v, whole.energy_j));
@@ -86,6 +86,6 @@ fn harm_is_that_of_a_whole_survey() {
                 intruded += part.persons.iter().filter(|person| person.intrusion).count();
             }
         }
-        assert!(intruded > 20, "{intruded}");
+        assert!(intruded > 20 && 2 * tests[1] < tests[0], "{intruded}, {tests:?} tests");
     });
 }
