@@ -1,5 +1,5 @@
-//! `cargo x wheel`: the Python package, built, and tried where there is neither cargo nor a checkout
-//! on the path.
+//! `cargo x wheel`: the Python package, built, and tried where there is neither cargo nor a
+//! checkout on the path.
 //!
 //! ```text
 //! maturin ──▶ target/wheel/dist/*.whl ──▶ an empty environment ──▶ tests

@@ -26,8 +26,8 @@ pub(crate) fn threads(py: Python<'_>, asked: usize) -> PyResult<usize> {
     }
 }
 
-/// Calls `answer` for every number below `count` and returns what it says, in order. Each thread has
-/// a scratch of its own. The first error in order of the numbers of a chunk ends it all.
+/// Calls `answer` for every number below `count` and returns what it says, in order. Each thread
+/// has a scratch of its own. The first error, in order of the numbers, ends it all.
 pub(crate) fn answers<S: Send, T: Send, E: Send>(
     py: Python<'_>,
     (count, threads): (usize, usize),

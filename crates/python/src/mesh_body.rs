@@ -13,7 +13,7 @@ use trolley::model::Shape;
 /// Triangles with their tree. It never changes, and any thread may use it.
 ///
 /// ``Body(vertices, faces)`` takes (n, 3) numbers and (m, 3) indices, ``Body(triangles)`` (m, 3, 3)
-/// corners, ``Body(mesh)`` what has ``vertices`` and ``faces``, such as a mesh of trimesh, or a mesh
+/// corners, ``Body(mesh)`` what has ``vertices`` and ``faces``, such as a mesh of trimesh, or one
 /// of Open3D. Arrays of any float or integer type are copied, strided or read-only ones too.
 /// Triangles need not be closed, connected or oriented; one without area counts as the segment or
 /// point that it is. Coordinates are stored as float32.

@@ -97,20 +97,19 @@ type FirstContacts<'py> =
 
 /// When a body that moves along a straight line first touches the other one, from each pose.
 #[pyfunction]
-#[pyo3(signature = (a, b, poses, direction, to, *, start = 0.0, threads = 1))]
 pub(crate) fn first_contact<'py>(
     py: Python<'py>,
     a: &Bound<'py, MeshBody>,
     b: &Bound<'py, MeshBody>,
     poses: &Bound<'py, PyAny>,
     direction: &Bound<'py, PyAny>,
-    to: f64,
-    start: f64,
+    travel: [f64; 2],
     threads: usize,
 ) -> PyResult<FirstContacts<'py>> {
     let poses = arrays::relative(py, "poses", poses)?;
     let threads = self::threads(py, threads)?;
     let directions = arrays::directions(py, direction, poses.len())?;
+    let [start, to] = travel;
     let sweep = |direction: &[f64; 3]| Sweep::new((*direction).into(), start, to);
     let sweeps: Result<Vec<Sweep>, _> = directions.iter().map(sweep).collect();
     let sweeps = sweeps.map_err(|error| raise_diagnostic(py, error))?;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use trolley::traffic::{self, TrafficOptions};
 use trolley::{Failure, References, Scenario, policy};
 
-/// A scene with its candidates, its policy and its curves. It never changes: what replaces something
-/// returns a new one.
+/// A scene with its candidates, its policy and its curves. It never changes: what replaces
+/// something returns a new one.
 #[pyclass(name = "Scenario", module = "trolley_av", frozen)]
 pub(crate) struct ScenarioText {
     pub(crate) scenario: Scenario,

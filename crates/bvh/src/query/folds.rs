@@ -7,8 +7,8 @@ use geometry::triangle::{self, Triangle};
 use geometry::{Corners, DVec3, Pose, RelativePose};
 use std::ops::ControlFlow;
 
-/// Returns the pairs of triangles of a body that have more in common than corners and edges of both:
-/// ids, the lesser first, each pair once, ascending.
+/// Returns the pairs of triangles of a body that have more in common than corners and edges of
+/// both: ids, the lesser first, each pair once, ascending.
 ///
 /// Corners are the same if their coordinates are equal, so a surface need not have its corners
 /// stored once. Neighbours along an edge are a pair if they lie upon each other, neighbours at a

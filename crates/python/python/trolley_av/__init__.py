@@ -128,7 +128,7 @@ def first_contact(a, b, poses, direction, to, *, start=0.0, threads=1):
     Returns:
         `FirstContact`.
     """
-    found = _core.first_contact(a, b, poses, direction, to, start=start, threads=threads)
+    found = _core.first_contact(a, b, poses, direction, [start, to], threads)
     return FirstContact(*found)
 
 
