@@ -492,21 +492,25 @@ def ranking(folder):
 
 
 def threads():
-    """How much quicker two threads are, by the clock, if there are two cores."""
+    """What two threads cost and gain."""
     os.sched_setaffinity(0, ALL)
     a, b = ta.Body.generate("sedan", 20_000), ta.Body.generate("suv", 20_000)
     poses = shapes.poses(POSES, 2.5, 3)
-    ratios = []
+    quicker, dearer = [], []
     for _ in range(ROUNDS):
-        took = []
+        clock, processor = [], []
         for number in (1, 2):
             begun = time.perf_counter()
-            ta.touches(a, b, poses, threads=number)
-            took.append(time.perf_counter() - begun)
-        ratios.append(took[0] / took[1])
-    print(f"Two threads of `touches` on {len(ALL)} cores take 1/{statistics.median(ratios):.2f} of "
-          f"the time of one by the clock ({min(ratios):.2f} to {max(ratios):.2f} over {ROUNDS} "
-          "rounds; the machine may have had other work).\n")
+            _, took = spent(lambda: ta.touches(a, b, poses, threads=number))
+            clock.append(time.perf_counter() - begun)
+            processor.append(took)
+        quicker.append(clock[0] / clock[1])
+        dearer.append(processor[1] / processor[0])
+    print("## Threads\n")
+    print(f"`touches` on two threads takes {statistics.median(dearer):.2f} times the CPU time of "
+          f"one, and is {statistics.median(quicker):.2f} times as quick by the clock "
+          f"({min(quicker):.2f} to {max(quicker):.2f} over {ROUNDS} rounds), on {len(ALL)} cores "
+          f"whose load was {os.getloadavg()[0]:.1f} before.")
 
 
 ALL = set(range(os.cpu_count() or 1))
