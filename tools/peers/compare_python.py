@@ -25,10 +25,10 @@ import shapes  # noqa: E402
 
 import trolley_av as ta  # noqa: E402
 
-ROUNDS = 5
+ROUNDS = 3
 POSES = 10_000
 """How long a round of a library may take (s): slow ones take the first poses alone."""
-LIMIT_S = 3.0
+LIMIT_S = 1.0
 
 
 def welded(triangles):
@@ -452,16 +452,16 @@ def answer_of(said):
 
 def ranking(folder):
     print("## Rankings\n")
-    print("CPU time per scene: `rank_many` over 20 speeds of a scene of 24,000 triangles, in a "
+    print("CPU time per scene: `rank_many` over ten speeds of a scene of 24,000 triangles, in a "
           "session that has its bodies; the same in a new session for each scene; and a process "
-          "for each, `trolley rank --json --in-process`. Medians of five. All three give equal "
+          "for each, `trolley rank --json --in-process`. Medians of three. All three give equal "
           "answers.\n")
     row("candidates", "members", "`rank_many`", "new session", "process", "process ÷ `rank_many`")
     row("--:", "--:", "--:", "--:", "--:", "--:")
     gates = []
     for count in (2, 7):
         for members in (1, 32):
-            texts = [candidates(count).replace("[9,", f"[{9 + 0.05 * turn!r},") for turn in range(20)]
+            texts = [candidates(count).replace("[9,", f"[{9 + 0.05 * turn!r},") for turn in range(10)]
             scenarios = [ta.Scenario.parse(text) for text in texts]
             session = ta.Session()
             limits = {"members": members}

@@ -4,7 +4,7 @@
 //! ```text
 //! maturin ──▶ target/wheel/dist/*.whl ──▶ an empty environment ──▶ tests
 //!                                     ├─▶ one with Jupyter ──────▶ the three notebooks
-//!                                     └─▶ one with the peers ────▶ the page (--compare)
+//!                                     └─▶ one with the peers ────▶ the page (--compare alone)
 //! ```
 //!
 //! Environments lie below the target directory. All but that of the tests are kept; it is made anew
@@ -22,9 +22,9 @@ use std::process::{Command, ExitCode, Stdio};
 /// What to do with the package.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
-    /// Compare it with python-fcl, trimesh, coal, trueform, MeshLib and Open3D, and write
+    /// Compare it with python-fcl, trimesh, coal, trueform, MeshLib and Open3D instead, and write
     /// tools/results/python.md.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "long")]
     compare: bool,
     /// Make a million random calls too, and look for leaks over 100,000 bodies.
     #[arg(long)]
@@ -38,7 +38,7 @@ pub(crate) struct Options {
 const BUILD: &[&str] = &["maturin>=1.16,<2"];
 
 /// What its tests need besides.
-const TESTS: &[&str] = &["pytest", "pyarrow", "mypy"];
+const TESTS: &[&str] = &["pytest", "pyarrow", "mypy", "trimesh"];
 
 /// What the notebooks need.
 const NOTEBOOKS: &[&str] = &["jupytext", "nbconvert", "ipykernel", "matplotlib", "pyarrow"];
@@ -68,6 +68,15 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let program =
         built::executable(cargo().args(["build", "--release", "--package", "trolley-cli"]))?;
 
+    if options.compare {
+        return compare(&python, &workspace, &wheel, &program);
+    }
+
+    step("clippy, with Arrow")?;
+    let clippy =
+        ["clippy", "--package", "trolley-python", "--all-features", "--", "-D", "warnings"];
+    output(cargo().args(clippy))?;
+
     step("tests in an empty environment")?;
     let empty = python.environment("empty", TESTS, Kept::No)?;
     empty.install(&[&wheel.display().to_string()])?;
@@ -91,9 +100,6 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         let execute = ["-m", "jupytext", "--quiet", "--to", "ipynb", "--execute", "--output"];
         jupyter.run(&[&execute[..], &[&ran, &script]].concat(), &package, &program)?;
         step(&format!("{name}: {ran}"))?;
-    }
-    if options.compare {
-        return compare(&python, &workspace, &wheel, &program);
     }
     Ok(ExitCode::SUCCESS)
 }
