@@ -336,8 +336,8 @@ impl RankedScene {
 /// Scenarios, ranked, in their order: a sequence of `Ranking`, and an Arrow table of candidates.
 ///
 /// pyarrow, Polars, pandas and DuckDB read it in place: ``pyarrow.table(rankings)`` has a row for
-/// each candidate. `work_lo` and `work_hi` bound the policy's leading measure by what is known of the
-/// work, `range_low` and `range_high` by what the model does not know; times are in s.
+/// each candidate. `work_lo` and `work_hi` bound the policy's leading measure by what is known of
+/// the work, `range_low` and `range_high` by what the model does not know; times are in s.
 #[pyclass(name = "Rankings", module = "trolley_av", frozen)]
 pub(crate) struct RankedScenes {
     pub(crate) outcomes: Vec<Result<Arc<Outcome>, Failure>>,
