@@ -55,6 +55,7 @@ const LAYERS: &[&str] = &[
     "lab",
     "client-c",
     "cli",
+    "python",
     "tools",
 ];
 /// Programs and libraries on top: they never use each other.
@@ -73,6 +74,7 @@ const ONLY: &[(&str, &[&str])] = &[
     ("client", &["diagnostic", "protocol", "transport"]),
     ("client-c", &["client", "protocol", "transport"]),
     ("report", &["diagnostic", "geometry", "trolley"]),
+    ("python", &["trolley"]),
 ];
 /// Workspace crates that the command line may use, its tests aside: it parses flags, calls a
 /// library, and prints.
@@ -95,6 +97,9 @@ const ALONE: &[(&str, &[&str])] = &[
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
     ("kuva", &["lab"]),
+    ("pyo3", &["python"]),
+    ("numpy", &["python"]),
+    ("arrow", &["python"]),
 ];
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];

@@ -14,6 +14,7 @@ mod oracle;
 mod scenarios;
 mod step;
 mod unpacked;
+mod wheel;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -98,6 +99,11 @@ enum Task {
     Scenarios(scenarios::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
+    /// Build the Python package, and try it in an empty environment without cargo.
+    ///
+    /// Needs python3 with venv, and an index of packages for pip. CI does not run it: `cargo x
+    /// check` builds the crate, this its wheel.
+    Wheel(wheel::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -119,5 +125,6 @@ fn main() -> Result<ExitCode> {
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
         Task::Gallery(options) => gallery::run(&options),
+        Task::Wheel(options) => wheel::run(&options),
     }
 }

@@ -58,7 +58,10 @@
 //! ```
 
 mod containment;
+mod curve;
 mod first;
+mod folds;
+mod near;
 mod turning;
 
 use crate::kernel::BEAT_TESTS;
@@ -77,11 +80,15 @@ pub use crate::kernel::sweep::Witness;
 pub use crate::{Build, BuildError, BuildOptions, Tree, Walk};
 pub use body::{ShellKind, Shells};
 pub use containment::{Containment, containment};
+pub use curve::{PairContact, contacts};
 pub use first::{SweepEffort, SweepWorkspace, earliest_pairs, first_contact};
+pub use folds::self_pairs;
 pub use geometry::motion::{MotionPath, Orientation, PathError, RelativeMotion, State};
 pub use geometry::simd::Level;
 pub use geometry::sweep::SweepError;
+pub use geometry::triangle::ContactPoints;
 pub use geometry::{Corners, Pose, RelativePose, Sweep};
+pub use near::near_pairs;
 pub use turning::{MotionContact, MotionEffort, MotionLimits, MotionWorkspace};
 pub use turning::{RESOLUTION_MIN, ResolutionError};
 pub use turning::{first_contact_in_motion, first_contact_in_motion_watched};

@@ -137,14 +137,18 @@ impl Bodies {
     ///
     /// If there is not enough memory.
     pub fn seal(bodies: Vec<ModelFile>) -> Result<Self, Failure> {
-        let files: Vec<&[u8]> = bodies.iter().map(ModelFile::bytes).collect();
+        Self::seal_copies(&bodies.iter().collect::<Vec<_>>())
+    }
+
+    /// Seals copies of bodies, which their owner keeps.
+    pub(crate) fn seal_copies(bodies: &[&ModelFile]) -> Result<Self, Failure> {
+        let files: Vec<&[u8]> = bodies.iter().map(|body| body.bytes()).collect();
         let hash = |bytes: &&[u8]| {
             file::content_hash(bytes).map_err(|error| Failure::internal(diagnostic::chain(&error)))
         };
         let hashes = files.iter().map(hash).collect::<Result<_, _>>()?;
         let store = coordinator::seal(&files)?;
-        drop(files);
-        let source_hashes = bodies.into_iter().map(|body| body.source_hash).collect();
+        let source_hashes = bodies.iter().map(|body| body.source_hash.clone()).collect();
         Ok(Self { store, hashes, source_hashes })
     }
 

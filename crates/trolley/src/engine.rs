@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Bodies, trees and workers are kept while scenarios name the same bodies with the same
-//! settings, so ranking many variants of a scene pays for them once.
+//! settings, so ranking many variants of a scene pays for them once. With
+//! [`EngineBuilder::body_cache`], bodies are kept though others join or leave the scene.
 
 use crate::Failure;
 use crate::bodies::{Bodies, OnProgress};
@@ -16,6 +17,7 @@ use dispatch::LogEntry;
 use runtime::{affinity, clock};
 use scenario::{EngineSettings as Settings, Overrides};
 
+mod body_cache;
 mod builder;
 mod cores;
 mod loaded;
@@ -25,6 +27,7 @@ pub use builder::EngineBuilder;
 pub use cores::{pin_coordinator, worker_cores};
 pub use ranking::Ranking;
 
+use body_cache::BodyCache;
 use loaded::{Loaded, Subject, loaded};
 
 /// Ranks scenarios.
@@ -42,6 +45,7 @@ use loaded::{Loaded, Subject, loaded};
 pub struct Engine {
     settings: EngineBuilder,
     loaded: Option<Loaded>,
+    cache: BodyCache,
 }
 
 /// What a record holds besides answer, explanation and run.
@@ -87,8 +91,7 @@ impl Engine {
         deadline_ns: Option<u64>,
         progress: OnProgress<'_>,
     ) -> Result<Begun<'_>, Failure> {
-        let loaded = loaded(&mut self.loaded, subject, settings, progress)?;
-        loaded.find_shells()?;
+        let loaded = loaded(&mut self.loaded, &mut self.cache, subject, settings, progress)?;
         let loaded_ns = clock::now_ns();
         let backend = loaded.ready(&self.settings, settings, deadline_ns)?;
         let started_ns = clock::now_ns();
@@ -131,6 +134,22 @@ impl Engine {
     #[must_use]
     pub fn bodies(&self) -> Option<&Bodies> {
         self.loaded.as_ref().map(|loaded| &loaded.bodies)
+    }
+
+    /// Returns how many bodies the [cache](EngineBuilder::body_cache) has, and the bytes of their
+    /// model files.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let builder = trolley::Engine::builder().in_process().body_cache(64 << 20);
+    /// let mut engine = builder.build()?;
+    /// engine.rank(&scenario, &trolley::Limits::default())?;
+    /// assert_eq!(engine.cached_bodies().0, 5);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn cached_bodies(&self) -> (usize, usize) {
+        self.cache.size()
     }
 
     /// Returns the process ids of the workers, in order; empty before the first ranking.

@@ -222,6 +222,77 @@ pub use bvh::query::pairs;
 /// ```
 pub use bvh::query::sets;
 
+/// Returns all pairs of intersecting triangles, each with the points of its contact.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::contacts;
+///
+/// let found = contacts(&floor, &blade, &pose, &mut Workspace::new())?;
+/// assert_eq!(found[0].points.points().len(), 2, "the ends of a segment");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::contacts;
+
+/// Two triangles that intersect, and where: of [`contacts`].
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::{PairContact, contacts};
+///
+/// let found: Vec<PairContact> = contacts(&floor, &blade, &pose, &mut Workspace::new())?;
+/// assert_eq!(found[0].ids, [0, 0]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::PairContact;
+
+/// Returns the pairs of triangles of one body that have more in common than corners and edges.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::self_pairs;
+///
+/// let both = [floor.corners()[0], blade.corners()[0]];
+/// let both = Tree::build(&both, &options)?;
+/// assert_eq!(self_pairs(&both, &mut Workspace::new())?, [(0, 1)]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::self_pairs;
+
+/// Returns which of many bodies are near enough to each other to be worth a query.
+///
+/// ```
+/// # use trolley::kernel::{BuildOptions, Pose, RelativePose, Tree, Workspace};
+/// # let options = BuildOptions::default();
+/// # let floor = [[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]];
+/// # let blade = [[[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.0]]];
+/// # let (floor, blade) = (Tree::build(&floor, &options)?, Tree::build(&blade, &options)?);
+/// # let pose = RelativePose::between(&Pose::IDENTITY, &Pose::IDENTITY);
+/// use trolley::kernel::near_pairs;
+///
+/// let far = Pose { translation: [9.0, 0.0, 0.0], ..Pose::IDENTITY };
+/// let near = Pose::IDENTITY;
+/// let bodies = [(floor.view(), near), (blade.view(), near), (blade.view(), far)];
+/// assert_eq!(near_pairs(&bodies), [(0, 1)]);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+pub use bvh::query::near_pairs;
+
 /// Returns whether two bodies intersect.
 ///
 /// ```

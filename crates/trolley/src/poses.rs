@@ -42,6 +42,10 @@ pub const BYTES_MAX: usize = 64 << 10;
 /// How far RᵀR may be from the identity in any entry: seven decimals are good enough.
 const BEND_MAX: f64 = 1e-6;
 
+/// The remedy for a rotation that is not rigid.
+const RIGID: &str = "R turns and does nothing else: columns of length 1, at right angles, \
+                     right-handed, seven decimals or more";
+
 /// Greatest coordinate of a position (m): f64 still tells a tenth of a micrometre there.
 const POSITION_MAX_M: f64 = 1e9;
 
@@ -116,10 +120,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<[Pose; 2], Failure> {
         };
         bend(&pose.rotation).map_or(Ok(pose), |bend| {
             let refusal = (rows[0].place, format!("the rotation of {name} {bend}"));
-            Err(refuse(refusal).with_remedy(
-                "R turns and does nothing else: columns of length 1, at right angles, \
-                 right-handed, seven decimals or more",
-            ))
+            Err(refuse(refusal).with_remedy(RIGID))
         })
     };
     Ok([pose("A", of_a)?, pose("B", of_b)?])
@@ -199,6 +200,33 @@ fn words(line: &str) -> impl Iterator<Item = (usize, &str)> {
 fn end_of(text: &str) -> Place {
     let last = text.rsplit('\n').next().unwrap_or_default();
     Place { line: text.matches('\n').count() + 1, column: last.chars().count() + 1 }
+}
+
+/// Refuses a pose that a text could not state: with a number that is not finite, a position beyond
+/// 10⁹ m, or a rotation that is not rigid: an entry of RᵀR differs from the identity by more than
+/// 10⁻⁶, or it mirrors.
+///
+/// ```
+/// use trolley::poses::{Pose, check};
+///
+/// assert!(check(&Pose::from_degrees(30.0, 0.0, 0.0, [1.0, 2.0, 3.0])).is_ok());
+/// let far = Pose { translation: [1e10, 0.0, 0.0], ..Pose::IDENTITY };
+/// assert!(check(&far).is_err_and(|failure| failure.remedy().is_some()));
+/// ```
+///
+/// # Errors
+///
+/// It says what is wrong, and the remedy; the caller knows the place.
+pub fn check(pose: &Pose) -> Result<(), Failure> {
+    let refuse = |what: String, remedy: &str| Err(Failure::input(what).with_remedy(remedy));
+    let numbers = pose.rotation.as_flattened().iter().chain(&pose.translation);
+    if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
+        return refuse(format!("{number} is not finite"), "check where the pose comes from");
+    }
+    if let Some(far) = pose.translation.iter().find(|metres| metres.abs() > POSITION_MAX_M) {
+        return refuse(format!("{far} m is beyond {POSITION_MAX_M:e} m"), "move the origin nearer");
+    }
+    bend(&pose.rotation).map_or(Ok(()), |bend| refuse(format!("the rotation {bend}"), RIGID))
 }
 
 /// What is wrong with a rotation, if anything is.

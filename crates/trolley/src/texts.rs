@@ -176,6 +176,22 @@ pub fn policy_names() -> impl Iterator<Item = &'static str> {
     POLICY.named.iter().map(|(name, _)| *name)
 }
 
+/// Reads the policy in a file; if there is no such file, the one that ships under this name.
+///
+/// ```
+/// let policy = trolley::read_policy("worst-off-first".as_ref())?;
+/// assert!(policy.text.contains("schema"));
+/// assert!(trolley::read_policy("no-such-policy".as_ref()).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// If there is neither, or it cannot be read.
+pub fn read_policy(named: &Path) -> Result<SourceText, Failure> {
+    POLICY.named_by_user(named)
+}
+
 /// Reads a text of the length of a scenario: see [`files::text`].
 ///
 /// ```

@@ -1,6 +1,7 @@
 //! The settings of an engine, and what they make: workers with cores, or this process.
 
 use super::applied;
+use super::body_cache::BodyCache;
 use super::cores::{pin_coordinator, worker_cores};
 use super::{Engine, Settings};
 use crate::bodies::Bodies;
@@ -29,6 +30,7 @@ pub struct EngineBuilder {
     instance: Option<String>,
     program: Option<PathBuf>,
     dispatch_options: DispatchOptions,
+    cache_bytes: usize,
 }
 
 impl EngineBuilder {
@@ -145,6 +147,23 @@ impl EngineBuilder {
         Self { dispatch_options, ..self }
     }
 
+    /// Keeps bodies up to this number of bytes of model files, 80 to 125 a triangle, whichever
+    /// scenarios they were loaded for; the default is 0. Answers do not depend on it. Without it an
+    /// engine keeps the bodies of its last scenario alone.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// let mut engine = trolley::Engine::builder().in_process().body_cache(64 << 20).build()?;
+    /// engine.rank(&scenario, &trolley::Limits::default())?;
+    /// let (bodies, bytes) = engine.cached_bodies();
+    /// assert!(bodies == 5 && bytes <= 64 << 20);
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn body_cache(self, bytes_max: usize) -> Self {
+        Self { cache_bytes: bytes_max, ..self }
+    }
+
     /// Makes the engine. Workers are started with the first scenario, whose bodies they need.
     ///
     /// ```
@@ -157,7 +176,8 @@ impl EngineBuilder {
     /// If a setting is out of range or contradicts another.
     pub fn build(self) -> Result<Engine, Failure> {
         applied(&Settings::DEFAULT, &self.overrides)?;
-        Ok(Engine { settings: self, loaded: None })
+        let cache = BodyCache::of_bytes(self.cache_bytes);
+        Ok(Engine { settings: self, loaded: None, cache })
     }
 }
 

@@ -2,6 +2,7 @@
 //! map them.
 
 use super::EngineBuilder;
+use super::body_cache::{BodyCache, BodyKey, KeptBody};
 use crate::Failure;
 use crate::bodies::{Bodies, ModelFile, OnProgress, PartyBody};
 use crate::files::InputKind;
@@ -21,7 +22,6 @@ pub(super) struct Loaded {
     /// Kept from the second request about the same bodies on: for one they take longer than the
     /// trees.
     pub(super) extremes: Option<Vec<Extremes>>,
-    /// Found for the first request.
     pub(super) shells: Vec<Shells>,
     pub(super) backend: Option<Backend>,
 }
@@ -44,15 +44,6 @@ pub(super) struct Subject<'s> {
 }
 
 impl Loaded {
-    /// Finds the shells of all bodies, unless they are known.
-    pub(super) fn find_shells(&mut self) -> Result<(), Failure> {
-        if self.shells.is_empty() {
-            let views = self.bodies.views()?;
-            self.shells = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
-        }
-        Ok(())
-    }
-
     /// What runs jobs: kept from the last request, or started.
     pub(super) fn ready(
         &mut self,
@@ -70,9 +61,11 @@ impl Loaded {
     }
 }
 
-/// The bodies of a scenario: the kept ones if they are the same, else newly loaded ones.
+/// The bodies of a scenario: the kept ones if they are the same, else those of the cache, and for
+/// the rest newly loaded ones.
 pub(super) fn loaded<'l>(
     kept: &'l mut Option<Loaded>,
+    cache: &mut BodyCache,
     subject: &Subject<'_>,
     settings: &Settings,
     progress: OnProgress<'_>,
@@ -91,19 +84,48 @@ pub(super) fn loaded<'l>(
     } else {
         // Stop the old workers first: the machine may have no room for more.
         *kept = None;
-        let find = |_: usize, reference: &FileRef| (subject.find)(reference);
-        let bodies = Bodies::of_parties(&subject.bodies, settings, subject.file, &find, progress)?;
-        (subject.check_kinds)(&bodies.iter().map(ModelFile::kind).collect::<Vec<_>>())?;
+        let bodies = gathered(cache, subject, settings, sources.as_deref(), progress)?;
+        let files: Vec<&ModelFile> = bodies.iter().map(|body| &*body.file).collect();
+        (subject.check_kinds)(&files.iter().map(|file| file.kind()).collect::<Vec<_>>())?;
         *kept = Some(Loaded {
             settings: settings.clone(),
             sources: sources.unwrap_or_default(),
-            bodies: Bodies::seal(bodies)?,
+            bodies: Bodies::seal_copies(&files)?,
             extremes: None,
-            shells: Vec::new(),
+            shells: bodies.iter().map(|body| Shells::clone(&body.shells)).collect(),
             backend: None,
         });
     }
     kept.as_mut().ok_or_else(|| Failure::internal("no bodies"))
+}
+
+/// The bodies of a scenario in their order, from the cache as far as it has them.
+fn gathered(
+    cache: &mut BodyCache,
+    subject: &Subject<'_>,
+    settings: &Settings,
+    sources: Option<&[BodySource]>,
+    progress: OnProgress<'_>,
+) -> Result<Vec<KeptBody>, Failure> {
+    let (build, leaf_size) = (settings.build, settings.leaf_size);
+    let key = |source: &BodySource| BodyKey { source: source.clone(), build, leaf_size };
+    let keys = sources.map(|sources| sources.iter().map(key).collect::<Vec<_>>());
+    let known = |number: usize| keys.as_ref().and_then(|keys| cache.get(&keys[number]));
+    let mut bodies: Vec<Option<KeptBody>> = (0..subject.bodies.len()).map(known).collect();
+    let is_missing = |number: &usize| bodies[*number].is_none();
+    let missing: Vec<usize> = (0..bodies.len()).filter(is_missing).collect();
+    let parties: Vec<PartyBody<'_>> =
+        missing.iter().map(|number| subject.bodies[*number]).collect();
+    let find = |_: usize, reference: &FileRef| (subject.find)(reference);
+    let files = Bodies::of_parties(&parties, settings, subject.file, &find, progress)?;
+    for (number, file) in missing.into_iter().zip(files) {
+        let body = KeptBody::of(file)?;
+        if let Some(keys) = &keys {
+            cache.insert(keys[number].clone(), &body);
+        }
+        bodies[number] = Some(body);
+    }
+    Ok(bodies.into_iter().flatten().collect())
 }
 
 /// Where the bodies come from; `None` if a file cannot be read.

@@ -53,6 +53,22 @@ fn the_same_bodies_are_kept_and_others_take_their_place() {
 }
 
 #[test]
+fn bodies_of_a_cache_give_the_answers_of_new_ones() {
+    let mut engine = Engine::builder().in_process().body_cache(16 << 20).build().unwrap();
+    let limits = Limits::default();
+    for triangles in ["600", "700", "600", "800", "700"] {
+        let other = text(12.0).replace("600", triangles);
+        let other = Scenario::parse("two.toml", &other).unwrap();
+        let answer = engine.rank(&other, &limits).unwrap().answer;
+        assert_eq!(answer, in_process().rank(&other, &limits).unwrap().answer);
+    }
+    assert_eq!(engine.cached_bodies().0, 4, "the ego and three poles");
+    let mut small = Engine::builder().in_process().body_cache(100_000).build().unwrap();
+    small.rank(&scenario(12.0), &limits).unwrap();
+    assert_eq!(small.cached_bodies().0, 1, "the ego alone is larger");
+}
+
+#[test]
 fn a_ranking_is_recorded_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(12.0);

@@ -85,3 +85,17 @@ fn every_fault_has_its_place() {
     let rounded = GOOD.replacen("1 0 0 0\n", "0.9999997 0 0 0\n", 1);
     assert!(parse("p", rounded.as_bytes()).is_ok());
 }
+
+#[test]
+fn a_pose_of_a_program_is_held_to_what_a_text_may_state() {
+    let says = |pose: Pose| check(&pose).expect_err("refused").what().to_owned();
+    let turned = Pose::from_degrees(20.0, 30.0, 40.0, [1.0, 2.0, 3.0]);
+    assert_eq!(check(&turned), Ok(()));
+    assert_eq!(says(Pose { translation: [0.0, f64::NAN, 0.0], ..turned }), "NaN is not finite");
+    assert_eq!(says(Pose { translation: [2e9; 3], ..turned }), "2000000000 m is beyond 1e9 m");
+    let mut mirrored = Pose::IDENTITY;
+    mirrored.rotation[2][2] = -1.0;
+    assert!(says(mirrored).contains("mirrors the body"));
+    mirrored.rotation[2][2] = 1.01;
+    assert!(says(mirrored).contains("is not rigid"));
+}
