@@ -285,8 +285,9 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
         None => stated(scenario, answer, doubts),
     };
     let mut lines = Vec::new();
-    let hits_nobody = all.iter().any(WirePlace::hits_nobody);
-    lines.push(ranking_table::first(&free, hits_nobody, &format!(" Least harm: {best_name}.")));
+    let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
+    let least = ranking_table::least(best_name, others.len());
+    lines.push(ranking_table::first(&free, all.iter().any(WirePlace::hits_nobody), &least));
     if !free.is_empty() && !free.contains(&best_name) {
         lines.push(format!("First under the policy: {best_name}."));
     }
@@ -305,7 +306,6 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
             lines.push(ranking_table::worlds(answer.worlds, of.worlds, None));
         }
     }
-    let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
     lines.extend(ranking_table::tied(&others));
     if answer.is_late() {
         lines.push(format!(

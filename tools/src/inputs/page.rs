@@ -17,14 +17,18 @@ pub(super) fn text(
 ) -> String {
     let mut page = format!(
         "# Files of others\n\n\
-         Written by `cargo x inputs FOLDER... --out tools/results/inputs.md` at commit {commit}: the program as \
-         it is built for\nrelease, once for every file of the collections below. Meshes are imported \
-         (`trolley model import`), recordings and traces\nranked (`trolley rank`), scripts are to be \
-         refused with the way to go. No file is sorted out beforehand: many of these\ncollections \
-         hold files that are damaged on purpose. *Added*: loaded once the user has said what the \
-         message asked for,\nwhich obstacle is the ego or the unit of a deck. A file may take {} s \
-         and all its processes together {} MiB of resident\nmemory (their peaks, looked at every \
-         5 ms).\n\n",
+         Written by `cargo x inputs FOLDER... --out tools/results/inputs.md`, commit {commit}: the \
+         program as built for release,\nonce for each file of the collections below, which are \
+         checkouts of public repositories (each folder is called\nOWNER+NAME). Meshes are imported \
+         (`trolley model import`), recordings and traces ranked (`trolley rank`). Scripts of\n\
+         OpenSCENARIO and files of other forms are to be refused, with the way to go. Nothing is \
+         sorted out: many of these collections\nhold files that are damaged on purpose. Where the \
+         folder is `written-by-osi-python`, `tools/traces/convert.py` wrote the traces\nwith a \
+         library of OSI that is not ours, of recordings of the other collections.\n\n\
+         *Added*: loaded once the user said what the message asks for: which obstacle is the ego, \
+         or in what unit the mesh is. *Fell*:\na panic, a signal, or an exit code that is none of a \
+         refusal. A file may take {} s, and all processes for it together {} MiB\nof resident \
+         memory: the sum of their peaks, looked at every 5 ms.\n\n",
         limits.time.as_secs(),
         limits.mib
     );
