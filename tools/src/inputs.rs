@@ -1,6 +1,6 @@
 //! `cargo x inputs`: every file of public collections, through the program as users have it.
 //!
-//! Meshes are imported, recordings and traces are ranked, in a process of their own each, whose
+//! Meshes become models, recordings and traces scenarios, in a process of their own each, whose
 //! memory is watched. What counts is whether each file is read or refused with a message; a panic,
 //! a signal, too much memory or too much time is a fault of the program.
 
@@ -21,6 +21,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use watched::Ended;
 
+/// The unit that is stated for decks (m).
+const MILLIMETRE: f64 = 1e-3;
+
 /// What to read.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
@@ -36,6 +39,9 @@ pub(crate) struct Options {
     /// Files read at the same time; by default one a core.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// The program, if it is built already.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
     /// The page to write.
     #[arg(long, value_name = "FILE.md")]
     out: Option<PathBuf>,
@@ -44,7 +50,7 @@ pub(crate) struct Options {
 /// What became of one file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Fate {
-    /// Imported, or ranked. The note says what the user had to add, if anything.
+    /// Imported. The note says what the user had to add, if anything.
     Loaded,
     /// Refused, with this message and remedy.
     Refused(String),
@@ -73,8 +79,11 @@ struct Outcome {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
-    let program =
-        executable(cargo().args(["build", "--release", "-p", "trolley-cli", "--bin", "trolley"]))?;
+    let build = ["build", "--release", "-p", "trolley-cli", "--bin", "trolley"];
+    let program = match &options.program {
+        Some(program) => program.canonicalize()?,
+        None => executable(cargo().args(build))?,
+    };
     let collections: Vec<Collection> =
         options.folders.iter().map(|folder| Collection::find(folder)).collect::<Result<_>>()?;
     let files: Vec<(usize, &Path, Sort)> = collections
@@ -142,7 +151,7 @@ fn read(
     sort: Sort,
     limits: watched::Bounds,
 ) -> Result<(Fate, Option<&'static str>, Ended)> {
-    let command = |more: &[&str]| {
+    let command = |more: &[String]| {
         let mut command = Command::new(program);
         command.current_dir(root);
         match sort {
@@ -151,34 +160,39 @@ fn read(
                 command.arg(scratch.join("body.trolley"));
             }
             Sort::Recording | Sort::Trace | Sort::Script | Sort::Other => {
-                command.args(["rank", "--in-process", "--assume", "unknown=fixed", "--quiet"]);
+                command.args(["scenario", "import", "--quiet"]);
             }
         }
         command.args(more).arg("--").arg(file);
         command
     };
-    let ended = watched::run(command(&[]), scratch, limits)?;
-    let fate = fate(&ended, limits);
-    let Fate::Refused(text) = &fate else { return Ok((fate, None, ended)) };
-    let unit = factor(text);
-    let again = match sort {
-        Sort::Mesh if text.contains("--unit mm, --unit m") => {
-            Some((vec!["--unit", "mm"], "a unit"))
-        }
-        Sort::Mesh => unit.as_deref().map(|unit| (vec!["--unit", unit], "a unit")),
-        _ if text.contains("--ego ID") => {
-            first_listed(text).map(|id| (vec!["--ego", id], "which is the ego"))
-        }
-        _ => None,
-    };
-    let Some((more, added)) = again else { return Ok((fate, None, ended)) };
-    let ended = watched::run(command(&more), scratch, limits)?;
-    Ok((self::fate(&ended, limits), Some(added), ended))
+    let mut more: Vec<String> = Vec::new();
+    let mut added = None;
+    // Twice at most: an ego or a unit, and a factor besides.
+    loop {
+        let ended = watched::run(command(&more), scratch, limits)?;
+        let fate = fate(&ended, limits);
+        let Fate::Refused(text) = &fate else { return Ok((fate, added, ended)) };
+        let asked = match sort {
+            Sort::Mesh if text.contains("--unit mm, --unit m") => Some(("--unit", "mm".to_owned())),
+            Sort::Mesh => factor(text, &more).map(|unit| ("--unit", unit)),
+            _ if text.contains("--ego ID") => first_listed(text).map(|id| ("--ego", id.to_owned())),
+            _ => None,
+        };
+        let is_new = |(flag, _): &(&str, String)| {
+            more.len() < 4 && !more.contains(&(*flag).into())
+                || (sort == Sort::Mesh && more == ["--unit", "mm"])
+        };
+        let Some((flag, value)) = asked.filter(is_new) else { return Ok((fate, added, ended)) };
+        added = Some(if flag == "--ego" { "which is the ego" } else { "a unit" });
+        more = vec![flag.to_owned(), value];
+    }
 }
 
 /// The factor that makes a body of a plausible length, as its message asks for: "0.2 × 0.1 × 0.1 m
-/// is not a plausible sedan: its greatest length should be 1 to 30 m".
-fn factor(text: &str) -> Option<String> {
+/// is not a plausible sedan: its greatest length should be 1 to 30 m". Where a unit was stated
+/// `before`, it was a millimetre.
+fn factor(text: &str, before: &[String]) -> Option<String> {
     let (size, range) = text.split_once(" is not a plausible ")?;
     let numbers = |text: &str| -> Vec<f64> {
         let words = text.split_whitespace();
@@ -187,7 +201,8 @@ fn factor(text: &str) -> Option<String> {
     let largest = numbers(size).into_iter().reduce(f64::max)?;
     let range = numbers(range.split(" m").next()?);
     let [least, greatest] = range[..] else { return None };
-    Some(format!("{}", (least * greatest).sqrt() / largest))
+    let unit = if before.is_empty() { 1.0 } else { MILLIMETRE };
+    Some(format!("{}", unit * (least * greatest).sqrt() / largest))
 }
 
 /// The first of the things that a message lists: "obstacles here: 1, 2".

@@ -6,8 +6,8 @@
 
 One file each: a third as GroundTruth (.osi), a third as SensorView (.osi), a third as GroundTruth
 in MCAP. The host vehicle is the first obstacle that moves. Of every recording the first 100 steps
-are written; states that are intervals or have no heading end it. `cargo x inputs` reads what this
-writes.
+are written; states that are intervals or have no heading end it. Recordings of one obstacle are left
+out. `cargo x inputs` reads what this writes.
 """
 
 import math
@@ -111,7 +111,7 @@ def main():
             step_s, obstacles = read(path)
         except (ValueError, ET.ParseError, AttributeError, TypeError):
             continue
-        if not obstacles:
+        if len(obstacles) < 2:
             continue
         if written % 3 == 2:
             with open(out / f"{path.stem}.mcap", "wb") as file, Writer(file) as writer:

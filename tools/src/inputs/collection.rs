@@ -13,9 +13,9 @@ const HEAD_BYTES: u64 = 4096;
 pub(super) enum Sort {
     /// A surface: made a model.
     Mesh,
-    /// CommonRoad, or another XML: ranked.
+    /// CommonRoad: made a scenario.
     Recording,
-    /// What a simulator wrote: ranked.
+    /// What a simulator wrote: made a scenario.
     Trace,
     /// OpenSCENARIO: says what is to happen, and is to be refused with the way to go.
     Script,

@@ -20,7 +20,7 @@ pub(super) fn text(
          Written by `cargo x inputs FOLDER... --out tools/results/inputs.md`, commit {commit}: the \
          program as built for release,\nonce for each file of the collections below, which are \
          checkouts of public repositories (each folder is called\nOWNER+NAME). Meshes are imported \
-         (`trolley model import`), recordings and traces ranked (`trolley rank`). Scripts of\n\
+         (`trolley model import`), scenarios made of recordings and traces (`trolley scenario import`). Scripts of\n\
          OpenSCENARIO and files of other forms are to be refused, with the way to go. Nothing is \
          sorted out: many of these collections\nhold files that are damaged on purpose. Where the \
          folder is `written-by-osi-python`, `tools/traces/convert.py` wrote the traces\nwith a \

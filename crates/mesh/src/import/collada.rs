@@ -64,8 +64,7 @@ impl Collada<'_> {
         let unit = match asset.and_then(|asset| child(asset, "unit")) {
             Some(unit) => {
                 let text = unit.attribute("meter").unwrap_or("1.0");
-                // Some exporters write the comma of their language: "0,010000".
-                text.trim().replacen(',', ".", 1).parse().map_err(|_error| {
+                text.trim().parse().map_err(|_error| {
                     let fault = format!("<unit meter={text:?}> is not a length");
                     ImportError::new(file, line(unit), MeshDefect::Syntax(fault))
                 })?

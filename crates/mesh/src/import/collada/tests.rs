@@ -44,15 +44,6 @@ fn fault(text: &str) -> String {
     collect(text).err().expect("refused").to_string()
 }
 
-/// As exporters write it whose language has a comma there.
-#[test]
-fn a_unit_with_a_comma_is_a_length() {
-    let text = file(INSTANCE, TRIANGLES).replace("meter=\"0.0254\"", "meter=\"0,025400\"");
-    assert!(text.contains("0,025400"));
-    let stated = parse("a.dae", text.as_bytes()).expect("XML").asset("a.dae").expect("valid");
-    assert_eq!(stated.unit, "0.0254".parse().expect("a length"));
-}
-
 /// Area of all triangles, and the box.
 fn measured(into: &Collector<'_>) -> (f64, [[f32; 3]; 2]) {
     let area = into.corners.iter().map(|[a, b, c]| {
