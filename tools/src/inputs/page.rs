@@ -19,12 +19,13 @@ pub(super) fn text(
         "# Files of others\n\n\
          Written by `cargo x inputs FOLDER... --out tools/results/inputs.md`, commit {commit}: the \
          program as built for release,\nonce for each file of the collections below, which are \
-         checkouts of public repositories (each folder is called\nOWNER+NAME). Meshes are imported \
-         (`trolley model import`), scenarios made of recordings and traces (`trolley scenario import`). Scripts of\n\
-         OpenSCENARIO and files of other forms are to be refused, with the way to go. Nothing is \
-         sorted out: many of these collections\nhold files that are damaged on purpose. Where the \
-         folder is `written-by-osi-python`, `tools/traces/convert.py` wrote the traces\nwith a \
-         library of OSI that is not ours, of recordings of the other collections.\n\n\
+         checkouts of public repositories (each folder is called\nOWNER+NAME). Models are made of \
+         meshes (`trolley model import`), scenarios of recordings and traces\n(`trolley scenario \
+         import`). Scripts of OpenSCENARIO and files of other forms are to be refused, with the \
+         way to go.\nNothing is sorted out: many of these collections hold files that are damaged \
+         on purpose. Where the folder is\n`written-by-osi-python`, `tools/traces/convert.py` wrote \
+         the traces, with a library of OSI that is not ours, of\nrecordings of the other \
+         collections.\n\n\
          *Added*: loaded once the user said what the message asks for: which obstacle is the ego, \
          or in what unit the mesh is. *Fell*:\na panic, a signal, or an exit code that is none of a \
          refusal. A file may take {} s, and all processes for it together {} MiB\nof resident \
@@ -133,5 +134,6 @@ fn cell(text: &str) -> String {
     if out.chars().count() > EXAMPLE_MAX {
         out = out.chars().take(EXAMPLE_MAX).collect::<String>() + "…";
     }
-    out.replace('<', "&lt;")
+    // A lone backtick would begin code.
+    out.replace('<', "&lt;").replace('`', "'")
 }
