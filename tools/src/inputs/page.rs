@@ -27,8 +27,8 @@ pub(super) fn text(
          the traces, with a library of OSI that is not ours, of\nrecordings of the other \
          collections.\n\n\
          *Added*: loaded once the user said what the message asks for: which obstacle is the ego, \
-         or in what unit the mesh is. *Fell*:\na panic, a signal, or an exit code that is none of a \
-         refusal. A file may take {} s, and all processes for it together {} MiB\nof resident \
+         or in what unit the mesh is. *Fell*:\na panic, a signal, or an exit code that is none of \
+         a refusal. A file may take {} s, and all processes for it together {} MiB\nof resident \
          memory: the sum of their peaks, looked at every 5 ms.\n\n",
         limits.time.as_secs(),
         limits.mib
@@ -46,8 +46,9 @@ fn section(page: &mut String, sort: Sort, collections: &[Collection], outcomes: 
     let title = sort.plural();
     let first = title[..1].to_uppercase();
     let _w = writeln!(page, "## {first}{}\n", &title[1..]);
-    *page += "| collection | commit | files | loaded | of them added | refused | fell | over memory \
-              | over time | most MiB | longest s |\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+    *page += "| collection | commit | files | loaded | of them added | refused | fell | over \
+              memory | over time | most MiB | longest s |\n";
+    *page += "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n";
     for (number, collection) in collections.iter().enumerate() {
         let of: Vec<&Outcome> =
             outcomes.iter().copied().filter(|one| one.collection == number).collect();
