@@ -9,6 +9,7 @@ mod compare;
 mod count;
 mod faults;
 mod gallery;
+mod inputs;
 mod machine;
 mod oracle;
 mod scenarios;
@@ -97,6 +98,10 @@ enum Task {
     /// Files are scenarios, or traffic, of which scenarios are made. Fails if the search missed a
     /// contact, or invented one.
     Scenarios(scenarios::Options),
+    /// Read every file of public collections, and say what was loaded, what was refused, and why.
+    ///
+    /// Fails if the program fell, or took more time or memory than it may.
+    Inputs(inputs::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
     /// Build the Python package, and try it in an empty environment without cargo.
@@ -124,6 +129,7 @@ fn main() -> Result<ExitCode> {
         Task::Corrupt => faults::corrupt(),
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
+        Task::Inputs(options) => inputs::run(&options),
         Task::Gallery(options) => gallery::run(&options),
         Task::Wheel(options) => wheel::run(&options),
     }

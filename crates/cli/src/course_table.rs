@@ -105,13 +105,12 @@ fn verdict(answer: &Answer, run: &Run) -> String {
         answer.ranking.iter().filter(|row| row.touches_nobody()).map(|row| &*row.name).collect();
     let refusal = answer.refusal().map(Note::sentence);
     lines.extend(refusal.as_ref().map(|refusal| format!("NO WINNER: {refusal}.")));
-    let least = match refusal {
-        Some(_) => String::new(),
-        None => format!(" Least harm: {}.", first.name),
-    };
+    let tied = answer.tie_class.iter().filter(|name| **name != first.name);
+    let tied: Vec<&str> = tied.map(String::as_str).collect();
+    let least = refusal.is_none().then(|| ranking_table::least(&first.name, tied.len()));
     let hits_nobody = answer.ranking.iter().any(CourseRow::hits_nobody);
     let hits_nobody = (!first.is_stated_alone).then_some(hits_nobody);
-    lines.push(ranking_table::first(&free, hits_nobody, &least));
+    lines.push(ranking_table::first(&free, hits_nobody, &least.unwrap_or_default()));
     if refusal.is_none() && !free.is_empty() && !first.touches_nobody() {
         lines.push(format!("First under the policy: {}.", first.name));
     }
@@ -124,8 +123,6 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     lines.extend(notes.map(|note| format!("Note: {}.", note.sentence())));
     lines.extend(run.deadline.as_ref().map(kept));
     lines.extend(first.why.iter().map(|why| format!("Why: {why}.")));
-    let tied = answer.tie_class.iter().filter(|name| **name != first.name);
-    let tied: Vec<&str> = tied.map(String::as_str).collect();
     lines.extend(ranking_table::tied(&tied));
     for other in &first.alternatives {
         lines.push(format!(
@@ -152,10 +149,11 @@ fn lead(answer: &Answer) -> Option<String> {
     ranking_table::lead(lead.mean, lead.error)
 }
 
-/// In how many worlds the first wins, and what would have another one win.
+/// In how many worlds the first wins, if it can touch anybody, and what would turn that.
 fn worlds(answer: &Answer) -> Option<String> {
     let WorldsRow { count, flips } = answer.worlds.as_ref()?;
-    let won = answer.ranking.first()?.expected.as_ref()?.worlds?;
+    let first = answer.ranking.first().filter(|row| !row.touches_nobody())?;
+    let won = first.expected.as_ref()?.worlds?;
     let alone: Vec<String> =
         flips.iter().map(|flip| format!("{} in {}", flip.doubt.name(), share(flip.lost))).collect();
     let alone = match alone.as_slice() {

@@ -285,10 +285,12 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
         None => stated(scenario, answer, doubts),
     };
     let mut lines = Vec::new();
+    let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
+    let least = ranking_table::least(best_name, others.len());
     let hits_nobody = all.iter().any(WirePlace::hits_nobody);
     let is_stated_alone = best.is_some_and(|best| has(best, flag::STATED_ALONE));
     let hits_nobody = (!is_stated_alone).then_some(hits_nobody);
-    lines.push(ranking_table::first(&free, hits_nobody, &format!(" Least harm: {best_name}.")));
+    lines.push(ranking_table::first(&free, hits_nobody, &least));
     if !free.is_empty() && !free.contains(&best_name) {
         lines.push(format!("First under the policy: {best_name}."));
     }
@@ -307,7 +309,6 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
             lines.push(ranking_table::worlds(answer.worlds, of.worlds, None));
         }
     }
-    let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
     lines.extend(ranking_table::tied(&others));
     if !answer.text().is_empty() {
         lines.push(format!("Note: {}", answer.text()));

@@ -248,14 +248,16 @@ pub(crate) fn first(free: &[&str], hits_nobody: Option<bool>, least: &str) -> St
     }
 }
 
+/// Who comes first: the least harm only where the model cannot take another one for as good.
+pub(crate) fn least(name: &str, tied: usize) -> String {
+    let who = if tied > 0 { format!("First of {} tied", tied + 1) } else { "Least harm".into() };
+    format!(" {who}: {name}.")
+}
+
 /// Whom the model cannot tell from the first.
 pub(crate) fn tied(others: &[&str]) -> Option<String> {
-    (!others.is_empty()).then(|| {
-        format!(
-            "Within the range of the model it is indistinguishable from: {}.",
-            others.join(", ")
-        )
-    })
+    let others = (!others.is_empty()).then(|| others.join(", "))?;
+    Some(format!("Within the range of the model it is indistinguishable from: {others}."))
 }
 
 #[cfg(test)]

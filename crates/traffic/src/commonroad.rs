@@ -3,16 +3,23 @@
 //!
 //! Read are obstacles and a planning problem, whose initial state is the ego's; lanes, signs and
 //! goals are not: they do not change who is hit. States may be exact or intervals, of
-//! which the middle is taken and noted. Occupancy sets are refused: a set of positions is not a
-//! position.
+//! which the middle is taken and noted; the first state of somebody also says how well it is known.
+//! Occupancy sets are refused: a set of positions is not a position.
 
 use crate::ReadOptions;
 use crate::error::TrafficError;
-use crate::outline::{Outline, OutlinePart, Placed, corners};
-use crate::recording::{Ego, Obstacle, Planned, Recording, TimedState, wrapped};
+use crate::outline::{Outline, Placed};
+use crate::recording::{
+    Ego, Obstacle, Planned, Recording, StateSpread, TimedState, without_turns_about, wrapped,
+};
 use crate::xml::Element;
+use place::{position, shape};
 
+mod place;
 mod solution;
+mod track;
+
+pub(crate) use place::{COORDINATE_M, EXTENT_M};
 
 /// Types of obstacles in both versions.
 pub(crate) const TYPES: [&str; 17] = [
@@ -35,11 +42,6 @@ pub(crate) const TYPES: [&str; 17] = [
     "vehicle",
 ];
 
-/// Least and greatest extent of a shape (m): a hand, and the longest train at a platform. Beyond
-/// lies a wrong unit.
-pub(crate) const EXTENT_M: [f64; 2] = [0.05, 500.0];
-/// Greatest distance from the origin (m): coordinates of maps have up to seven digits.
-pub(crate) const COORDINATE_M: f64 = 1e8;
 /// Greatest speed (m/s): 540 km/h, as in a scenario.
 pub(crate) const SPEED_M_S: f64 = 150.0;
 /// An obstacle that starts as near to the ego as this is the ego: (m), (rad), (m/s).
@@ -62,7 +64,7 @@ pub(crate) fn read(
         Ok(step) if step > 0.0 && step <= 10.0 => step,
         _ => return Err(root.fault("timeStepSize is not in (0, 10] s", "write it in seconds")),
     };
-    let mut reader = Reader { step_s, notes: Vec::new() };
+    let mut reader = Reader { step_s, notes: Vec::new(), sets: sets(root, without) };
     let mut others = Vec::new();
     let mut phantoms = 0;
     let mut seen: Vec<&str> = Vec::new();
@@ -136,6 +138,13 @@ pub(crate) fn read(
     Ok(Recording { name, ego, planned, others, notes: reader.notes })
 }
 
+/// Obstacles whose future is a set of places, but for those that are left out.
+fn sets(root: Element<'_>, without: &[String]) -> Vec<String> {
+    let of_sets = root.children().filter(|one| one.get("occupancySet").is_some());
+    let ids = of_sets.filter_map(|one| one.attribute("id")).map(str::to_owned);
+    ids.filter(|id| !without.contains(id)).collect()
+}
+
 fn listed(ids: &[&str]) -> String {
     let shown: Vec<&str> = ids.iter().take(20).copied().collect();
     let more = if ids.len() > shown.len() { ", …" } else { "" };
@@ -145,6 +154,8 @@ fn listed(ids: &[&str]) -> String {
 struct Reader {
     step_s: f64,
     notes: Vec<String>,
+    /// Obstacles with an occupancy set.
+    sets: Vec<String>,
 }
 
 impl Reader {
@@ -166,13 +177,19 @@ impl Reader {
             };
             let ego = others.remove(index);
             let start = ego.track[0];
-            return Ok((Ego { start, outline: Some(ego.outline), went: ego.track }, None));
+            let (outline, spread) = (Some(ego.outline), ego.spread);
+            return Ok((Ego { start, outline, went: ego.track, spread }, None));
         }
         let Some(problem) = problem.or(problems.first()) else {
-            return Err(root.fault(
-                "no <planningProblem> says where the ego starts",
-                "name the obstacle that is the ego: --ego ID",
-            ));
+            let moving: Vec<&str> =
+                others.iter().filter(|one| !one.is_static()).map(|one| &*one.id).collect();
+            if moving.is_empty() {
+                let fault = "a map alone: it has no planning problem, and no obstacle that moves";
+                return Err(root.fault(fault, "give a scenario, with traffic"));
+            }
+            let remedy =
+                format!("name the obstacle that is the ego: --ego ID; {}", listed(&moving));
+            return Err(root.fault("no <planningProblem> says where the ego starts", remedy));
         };
         let id = problem.attribute("id");
         if asked.is_none() && problems.len() > 1 {
@@ -184,21 +201,27 @@ impl Reader {
             ));
         }
         let state = problem.need("initialState")?;
-        let start = self.moment(state, true)?;
-        let (start, _) = start;
+        let (start, open) = self.moment(state, true)?;
+        let spread = open.spread;
+        if spread != StateSpread::default() {
+            self.notes.push(format!(
+                "the ego's first state is known up to intervals: {}",
+                spread.taken()
+            ));
+        }
         let is_ego = |obstacle: &Obstacle| {
             !obstacle.is_static()
                 && obstacle.at(start.time_s).is_some_and(|moment| same(&moment, &start))
         };
         let Some(index) = others.iter().position(is_ego) else {
-            return Ok((Ego { start, outline: None, went: Vec::new() }, id));
+            return Ok((Ego { start, outline: None, went: Vec::new(), spread }, id));
         };
         let ego = others.remove(index);
         self.notes.push(format!(
             "obstacle {} starts where the ego does: it is the ego, with its shape and its way",
             ego.id
         ));
-        Ok((Ego { start, outline: Some(ego.outline), went: ego.track }, id))
+        Ok((Ego { start, outline: Some(ego.outline), went: ego.track, spread }, id))
     }
 
     fn obstacle(
@@ -213,77 +236,171 @@ impl Reader {
             return Err(kind.fault(fault, format!("known are {}", TYPES.join(", "))));
         }
         let outline = shape(element.need("shape")?)?;
-        let mut track = Vec::new();
-        let mut intervals = 0;
-        let mut speeds_missing = 0;
-        if element.name() == "environmentObstacle" {
+        let mut track: Vec<TimedState> = Vec::new();
+        let mut opens: Vec<Open> = Vec::new();
+        let mut repeated = 0;
+        let initial = if element.name() == "environmentObstacle" {
             let place = Placed { at: [0.0; 2], yaw: 0.0 };
             track.push(TimedState { time_s: 0.0, place, speed_m_s: 0.0, slip: 0.0 });
+            opens.push(Open::default());
+            None
         } else {
-            let initial = element.need("initialState")?;
-            let mut states = vec![initial];
-            if !is_fixed {
-                states.extend(trajectory(element)?);
+            Some(element.need("initialState")?)
+        };
+        let later = if is_fixed { Vec::new() } else { self.trajectory(element)? };
+        for state in initial.into_iter().chain(later) {
+            let (moment, open) = self.moment(state, false)?;
+            if is_fixed && open.headless {
+                return Err(headless(state));
             }
-            for state in states {
-                let (moment, was) = self.moment(state, false)?;
-                intervals += usize::from(was.interval);
-                speeds_missing += usize::from(was.speedless && !is_fixed);
-                if track.last().is_some_and(|last: &TimedState| last.time_s >= moment.time_s) {
-                    let help = "states stand in the order of their times, each time once";
-                    return Err(state.fault("its time is not after that of the state before", help));
-                }
-                track.push(moment);
+            if track.last() == Some(&moment) {
+                repeated += 1;
+                continue;
             }
+            if track.last().is_some_and(|last| last.time_s >= moment.time_s) {
+                let help = "states stand in the order of their times, each time once";
+                return Err(state.fault("its time is not after that of the state before", help));
+            }
+            track.push(moment);
+            opens.push(open);
         }
+        let spread = opens[0].spread;
         if is_fixed {
             track[0].speed_m_s = 0.0;
-        } else if speeds_missing > 0 {
-            speeds_from_places(&mut track);
-            self.notes.push(format!("obstacle {id}: speeds are not stated; its places give them"));
+        } else {
+            self.mend(element, id, &mut track, &opens)?;
         }
+        if repeated > 0 {
+            self.notes.push(format!("obstacle {id}: {repeated} of its states stand twice"));
+        }
+        let intervals = opens.iter().filter(|open| open.interval).count();
         if intervals > 0 {
+            let known = if spread == StateSpread::default() {
+                String::new()
+            } else {
+                format!("; of the first: {}", spread.taken())
+            };
             self.notes.push(format!(
-                "obstacle {id}: {intervals} of its states are intervals; their middles are taken"
+                "obstacle {id}: {intervals} of its states are intervals; their middles are \
+                 taken{known}"
             ));
         }
-        Ok(Obstacle { id: id.to_owned(), kind: kind.text().to_owned(), outline, track })
+        let (id, kind) = (id.to_owned(), kind.text().to_owned());
+        Ok(Obstacle { id, kind, outline, track, spread })
+    }
+
+    /// Adds what the states of an obstacle that moves leave open.
+    fn mend(
+        &mut self,
+        element: Element<'_>,
+        id: &str,
+        track: &mut Vec<TimedState>,
+        opens: &[Open],
+    ) -> Result<(), TrafficError> {
+        if track.len() == 1 {
+            let fault = "only its first state is stated, without";
+            if opens[0].speedless {
+                return Err(element.fault(format!("{fault} <velocity>"), "say where it goes"));
+            }
+            if opens[0].headless {
+                return Err(element.fault(format!("{fault} <orientation>"), "say where it goes"));
+            }
+            track.push(track::straight_on(&track[0], self.step_s));
+            self.notes.push(format!(
+                "obstacle {id}: nothing says where it goes: it is taken to go straight on, as fast \
+                 as in its first state"
+            ));
+            return Ok(());
+        }
+        if opens.iter().any(|open| open.headless) {
+            let missing: Vec<bool> = opens.iter().map(|open| open.headless).collect();
+            if !track::headings_from_places(track, &missing) {
+                return Err(headless(element));
+            }
+            self.notes
+                .push(format!("obstacle {id}: orientations are not stated; its places give them"));
+        }
+        if opens.iter().any(|open| open.speedless) {
+            track::speeds_from_places(track);
+            self.notes.push(format!("obstacle {id}: speeds are not stated; its places give them"));
+        }
+        self.notes.extend(without_turns_about(track, &format!("obstacle {id}")));
+        Ok(())
+    }
+
+    /// The states after the first one; none where the file says nothing of them.
+    fn trajectory<'d>(&self, element: Element<'d>) -> Result<Vec<Element<'d>>, TrafficError> {
+        if let Some(set) = element.get("occupancySet") {
+            let all: Vec<String> =
+                self.sets.iter().take(20).map(|id| format!("--without {id}")).collect();
+            return Err(set.fault(
+                "an occupancy set says where it may be, not where it is",
+                format!(
+                    "give all such obstacles a <trajectory>, or leave them out: {}",
+                    all.join(" ")
+                ),
+            ));
+        }
+        let Some(trajectory) = element.get("trajectory") else { return Ok(Vec::new()) };
+        let states: Vec<Element<'d>> = trajectory.all("state").collect();
+        if states.is_empty() {
+            let help = "add the states of the recording, or make it a static obstacle";
+            return Err(element.fault("its trajectory has no states", help));
+        }
+        Ok(states)
     }
 
     /// A state, and what it left open.
     fn moment(&self, state: Element<'_>, is_ego: bool) -> Result<(TimedState, Open), TrafficError> {
         let mut open = Open::default();
-        let (at, is_region) = position(state.need("position")?)?;
-        open.interval |= is_region;
-        let mut value = |name: &str| -> Result<Option<f64>, TrafficError> {
+        let (at, region) = position(state.need("position")?)?;
+        let mut value = |name: &str| -> Result<Option<[f64; 2]>, TrafficError> {
             let Some(element) = state.get(name) else { return Ok(None) };
-            let (value, is_interval) = exact_or_middle(element)?;
-            open.interval |= is_interval;
-            Ok(Some(value))
+            let [value, half] = middle_and_half(element)?;
+            open.interval |= half > 0.0;
+            Ok(Some([value, half]))
         };
         let yaw = value("orientation")?;
         let time = value("time")?;
-        let speed = value("velocity")?;
+        let mut speed = value("velocity")?;
+        let across = value("velocityY")?;
         let slip = value("slipAngle")?;
-        let Some(yaw) = yaw else {
-            return Err(state.fault("<orientation> is missing", "state where its front points"));
-        };
-        let Some(time) = time else {
+        let Some([time, _]) = time else {
             return Err(state.fault("<time> is missing", "state the time step"));
         };
+        // A point mass has velocities along the axes of the map, and no orientation.
+        let mut yaw = yaw;
+        if let (None, Some([vx, half]), Some([vy, _])) = (yaw, speed, across)
+            && (vx != 0.0 || vy != 0.0)
+        {
+            yaw = Some([libm::atan2(vy, vx), 0.0]);
+            speed = Some([libm::hypot(vx, vy), half]);
+        }
+        if yaw.is_none() && is_ego {
+            return Err(headless(state));
+        }
         if speed.is_none() && is_ego {
             return Err(state.fault("<velocity> is missing", "state how fast the ego is"));
         }
-        if speed.is_some_and(|speed| speed.abs() > SPEED_M_S) {
-            let fault = format!("its velocity is {} m/s", speed.unwrap_or_default());
+        let [speed_m_s, speed_half_m_s] = speed.unwrap_or_default();
+        if speed_m_s.abs() > SPEED_M_S {
+            let fault = format!("its velocity is {speed_m_s} m/s");
             return Err(state.fault(fault, format!("at most {SPEED_M_S} m/s: a wrong unit?")));
         }
-        open.speedless = speed.is_none();
-        let place = Placed { at, yaw: wrapped(yaw) };
+        open.interval |= region.is_some();
+        (open.speedless, open.headless) = (speed.is_none(), yaw.is_none());
+        let [yaw, yaw_half] = yaw.unwrap_or_default();
+        let yaw = wrapped(yaw);
+        open.spread = StateSpread::within(region.as_ref(), yaw, yaw_half, speed_half_m_s);
+        let place = Placed { at, yaw };
         let time_s = time * self.step_s;
-        let slip = slip.unwrap_or(0.0);
-        Ok((TimedState { time_s, place, speed_m_s: speed.unwrap_or(0.0), slip }, open))
+        let slip = slip.map_or(0.0, |[slip, _]| slip);
+        Ok((TimedState { time_s, place, speed_m_s, slip }, open))
     }
+}
+
+fn headless(element: Element<'_>) -> TrafficError {
+    element.fault("<orientation> is missing", "state where its front points")
 }
 
 /// What a state left open.
@@ -291,6 +408,8 @@ impl Reader {
 struct Open {
     interval: bool,
     speedless: bool,
+    headless: bool,
+    spread: StateSpread,
 }
 
 fn same(a: &TimedState, b: &TimedState) -> bool {
@@ -300,121 +419,20 @@ fn same(a: &TimedState, b: &TimedState) -> bool {
         && (a.speed_m_s - b.speed_m_s).abs() <= SAME[2]
 }
 
-fn speeds_from_places(track: &mut [TimedState]) {
-    for index in 0..track.len() {
-        let (a, b) = if index + 1 < track.len() { (index, index + 1) } else { (index - 1, index) };
-        let (p, q) = (track[a], track[b]);
-        let apart = libm::hypot(q.place.at[0] - p.place.at[0], q.place.at[1] - p.place.at[1]);
-        track[index].speed_m_s = apart / (q.time_s - p.time_s);
-    }
-}
-
-fn trajectory<'d>(element: Element<'d>) -> Result<Vec<Element<'d>>, TrafficError> {
-    if let Some(set) = element.get("occupancySet") {
-        return Err(set.fault(
-            "an occupancy set says where it may be, not where it is",
-            "give it a <trajectory>, or leave it out: --without ID",
-        ));
-    }
-    let states: Vec<Element<'d>> = element.need("trajectory")?.all("state").collect();
-    if states.is_empty() {
-        let help = "add the states of the recording, or make it a static obstacle";
-        return Err(element.fault("its trajectory has no states", help));
-    }
-    Ok(states)
-}
-
-/// A value, and whether it is the middle of an interval.
-fn exact_or_middle(element: Element<'_>) -> Result<(f64, bool), TrafficError> {
+/// A value, and 0; or the middle of an interval, and half of its length.
+fn middle_and_half(element: Element<'_>) -> Result<[f64; 2], TrafficError> {
     if let Some(exact) = element.get("exact") {
-        return Ok((exact.number()?, false));
+        return Ok([exact.number()?, 0.0]);
     }
     match (element.get("intervalStart"), element.get("intervalEnd")) {
-        (Some(start), Some(end)) => Ok((0.5 * (start.number()? + end.number()?), true)),
+        (Some(start), Some(end)) => {
+            let [start, end] = [start.number()?, end.number()?];
+            Ok([0.5 * (start + end), 0.5 * (end - start).abs()])
+        }
         _ => {
             let help = "write <exact>, or <intervalStart> and <intervalEnd>";
             Err(element.fault("it has neither an exact value nor an interval", help))
         }
-    }
-}
-
-/// A place, and whether it is the middle of a region.
-fn position(element: Element<'_>) -> Result<([f64; 2], bool), TrafficError> {
-    if let Some(at) = element.get("point") {
-        return Ok((point(at)?, false));
-    }
-    if element.get("lanelet").is_some() {
-        let help = "give a point or a region in coordinates";
-        return Err(element.fault("a lanelet says no place", help));
-    }
-    Ok((shape(element)?.middle(), true))
-}
-
-fn point(element: Element<'_>) -> Result<[f64; 2], TrafficError> {
-    let mut at = [0.0; 2];
-    for (value, name) in at.iter_mut().zip(["x", "y"]) {
-        let part = element.need(name)?;
-        *value = part.number()?;
-        if value.abs() > COORDINATE_M {
-            let fault = format!("{name} is {value} m");
-            return Err(part.fault(fault, format!("at most {COORDINATE_M} m from the origin")));
-        }
-    }
-    Ok(at)
-}
-
-/// Rectangles, circles and polygons, one or several.
-fn shape(element: Element<'_>) -> Result<Outline, TrafficError> {
-    let mut parts = Vec::new();
-    for part in element.children() {
-        let extent = |name: &str| -> Result<f64, TrafficError> {
-            let element = part.need(name)?;
-            let value = element.number()?;
-            let [least, most] = EXTENT_M;
-            if !(least..=most).contains(&value) {
-                let fault = format!("a {name} of {value} m");
-                return Err(element.fault(fault, format!("{least} to {most} m: a wrong unit?")));
-            }
-            Ok(value)
-        };
-        let centre = || part.get("center").map_or(Ok([0.0; 2]), point);
-        parts.push(match part.name() {
-            "rectangle" => {
-                let yaw = part.get("orientation").map_or(Ok(0.0), |yaw| yaw.number())?;
-                OutlinePart::Polygon(corners(extent("length")?, extent("width")?, centre()?, yaw))
-            }
-            "circle" => OutlinePart::Circle(centre()?, extent("radius")?),
-            "polygon" => polygon(part)?,
-            other => {
-                let fault = format!("shape <{other}> is not known");
-                return Err(part.fault(fault, "known are rectangle, circle and polygon"));
-            }
-        });
-    }
-    if parts.is_empty() {
-        return Err(element.fault("it has no shape", "add a rectangle, circle or polygon"));
-    }
-    Ok(Outline { parts })
-}
-
-fn polygon(element: Element<'_>) -> Result<OutlinePart, TrafficError> {
-    let points = element.all("point").map(point).collect::<Result<Vec<_>, _>>()?;
-    let part = OutlinePart::Polygon(points);
-    let outline = Outline { parts: vec![part] };
-    let [length, width] = outline.size();
-    let [least, most] = EXTENT_M;
-    let Some(part) = outline.parts.into_iter().next() else {
-        return Err(element.fault("it has no corners", "give at least three"));
-    };
-    match &part {
-        OutlinePart::Polygon(points) if points.len() < 3 => {
-            Err(element.fault("it has fewer than three corners", "give at least three"))
-        }
-        _ if !(length.min(width) >= least && length.max(width) <= most) => {
-            let fault = format!("a polygon of {length:.3} × {width:.3} m");
-            Err(element.fault(fault, format!("{least} to {most} m each way: a wrong unit?")))
-        }
-        _ => Ok(part),
     }
 }
 

@@ -39,7 +39,7 @@ pub use error::{TrafficError, TrafficPlace};
 pub use library::{DEFAULT_LIBRARY, Library};
 pub use manoeuvre::{Manoeuvre, Manoeuvres};
 pub use outline::{Outline, OutlinePart, Placed, overlap};
-pub use recording::{Ego, Obstacle, Planned, Recording, TimedState};
+pub use recording::{Ego, Obstacle, Planned, Recording, StateSpread, TimedState};
 pub use scenario_text::{ScenarioTextError, scenario_text};
 pub use xml::TEXT_BYTES_MAX;
 
@@ -92,6 +92,7 @@ impl TraceForm {
 ///
 /// The first fault found, with line, element and remedy.
 pub fn read(file: &str, text: &str, options: &ReadOptions<'_>) -> Result<Recording, TrafficError> {
+    not_a_pointer(file, text.as_bytes())?;
     let document = xml::Document::parse(file, text)?;
     let root = document.root();
     match root.name() {
@@ -100,6 +101,10 @@ pub fn read(file: &str, text: &str, options: &ReadOptions<'_>) -> Result<Recordi
             "a script, which says what is to happen and not where everybody is",
             "play it in esmini (esmini --osc FILE.xosc --csv_logger FILE.csv, or --osi_file \
              FILE.osi), then rank that trace",
+        )),
+        "CommonRoadSolution" => Err(root.fault(
+            "a planner's solution, which says nothing of anybody but the ego",
+            "give the scenario that it solves, and this file with --solution",
         )),
         other => Err(root.fault(
             format!("this is <{other}>, not CommonRoad"),
@@ -128,6 +133,7 @@ pub fn read_trace(
         let remedy = "leave out --solution, or give the <commonRoad> file that it solves";
         return Err(failed("solutions are of CommonRoad's planning problems", remedy));
     }
+    not_a_pointer(file, bytes)?;
     match form {
         TraceForm::Osi => osi::read(file, bytes, options),
         TraceForm::Csv => {
@@ -145,4 +151,13 @@ pub fn read_trace(
             "build it with the feature mcap, or write the trace as .osi",
         )),
     }
+}
+
+/// Refuses what Git leaves in the place of a large file.
+fn not_a_pointer(file: &str, bytes: &[u8]) -> Result<(), TrafficError> {
+    if !bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
+        return Ok(());
+    }
+    let what = "a pointer of Git LFS, in the place of the file".to_owned();
+    Err(trace::whole(file, (what, "bring the file itself: git lfs pull".to_owned())))
 }

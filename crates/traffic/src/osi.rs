@@ -263,7 +263,7 @@ impl<'f> Reader<'f> {
             return Err((fault, "seconds stand in a field of their own".to_owned()));
         }
         self.tracks.begin(seconds as f64 + f64::from(nanos) * 1e-9)?;
-        if let Some(value) = host.and_then(|host| host.value) {
+        if let Some(value) = host.map(|host| host.value.unwrap_or(0)) {
             let known = *self.host.get_or_insert(value);
             if known != value {
                 let fault = format!("the host vehicle is {value}, before it was {known}");
@@ -322,7 +322,8 @@ impl<'f> Reader<'f> {
         let host = host.map(|host| host.to_string());
         let Some(ego) = options.ego.or(host.as_deref()) else {
             let fault = "no host_vehicle_id says which object is the ego".to_owned();
-            return Err(whole(file, (fault, "name it: --ego ID".to_owned())));
+            let remedy = format!("name it: --ego ID; objects here: {}", tracks.known());
+            return Err(whole(file, (fault, remedy)));
         };
         let name = match form {
             Some(Form::View) => "OSI SensorView",
@@ -365,7 +366,8 @@ fn form_of(bytes: &[u8]) -> Form {
 }
 
 fn id_of(id: Option<&Identifier>, which: &str, index: usize) -> Result<String, Fault> {
-    let id = id.and_then(|id| id.value).map(|id| id.to_string());
+    // Libraries of proto3 leave out what is 0.
+    let id = id.map(|id| id.value.unwrap_or(0).to_string());
     id.ok_or_else(|| {
         let fault = format!("{which} object {} of it has no id", index + 1);
         (fault, "without ids nobody can be followed: the simulator must state them".to_owned())
@@ -385,19 +387,23 @@ fn boxed(
             (fault, format!("the simulator must state it; or --without {id}"))
         })
     };
-    let (extent, at) = (dimension.unwrap_or_default(), position.unwrap_or_default());
+    // Libraries of proto3 leave out what is 0.
+    let or_zero = |value: Option<f64>| Some(value.unwrap_or(0.0));
+    let extent = dimension.unwrap_or_default();
     let length = need(extent.length, "dimension.length")?;
     let width = need(extent.width, "dimension.width")?;
     let height = need(extent.height, "dimension.height")?;
-    let (x, y) = (need(at.x, "position.x")?, need(at.y, "position.y")?);
-    let yaw = need(orientation.and_then(|o| o.yaw), "orientation.yaw")?;
+    let x = need(position.and_then(|at| or_zero(at.x)), "position")?;
+    let y = need(position.and_then(|at| or_zero(at.y)), "position")?;
+    let yaw = need(orientation.and_then(|o| or_zero(o.yaw)), "orientation")?;
+    let z = position.and_then(|at| at.z);
     Ok(Seen {
         kind: "unknown",
         is_guessed: false,
         is_fixed: false,
         size_m: [length, width, height],
         place: Placed { at: [x, y], yaw },
-        bottom_m: at.z.unwrap_or(0.5 * height) - 0.5 * height,
+        bottom_m: z.unwrap_or(0.5 * height) - 0.5 * height,
         velocity_m_s: None,
     })
 }

@@ -90,6 +90,11 @@ impl Outline {
         libm::hypot(low[0].abs().max(high[0].abs()), low[1].abs().max(high[1].abs()))
     }
 
+    /// The same, turned around the origin (rad).
+    pub(crate) fn turned(&self, by: f64) -> Self {
+        Self { parts: self.placed(Placed { at: [0.0; 2], yaw: by }) }
+    }
+
     fn placed(&self, place: Placed) -> Vec<OutlinePart> {
         let part = |part: &OutlinePart| match part {
             OutlinePart::Polygon(points) => {

@@ -18,7 +18,7 @@ use crate::manoeuvre::{Manoeuvre, Manoeuvres, arc, began};
 use crate::outline::{Outline, overlap};
 use crate::recording::{Recording, TimedState};
 use crate::write::{
-    comments, entry, moved, names, party, quoted, rounded, shortened, title, too_many,
+    comments, entry, errors, moved, names, party, quoted, rounded, shortened, title, too_many,
 };
 use course::{Course, Extent};
 use diagnostic::{Diagnostic, FailureKind};
@@ -130,12 +130,16 @@ pub fn scenario_text(
     };
     closed(&text, Subject::Recording);
     party(&mut text, "ego", &recording.ego_outline(), entry(library, "ego").map_err(no_body)?);
+    let cut = errors(&mut text, &recording.ego.spread, recording.ego.start.speed_m_s);
+    notes.extend(cut.map(|cut| format!("the ego: {cut}")));
     closed(&text, Subject::Recording);
     for (index, course) in &others {
         let obstacle = &recording.others[*index];
         let body = entry(library, &obstacle.kind).map_err(no_body)?;
         text.push('\n');
         party(&mut text, &names[index], &obstacle.outline, body);
+        let cut = errors(&mut text, &obstacle.spread, obstacle.track[0].speed_m_s);
+        notes.extend(cut.map(|cut| format!("obstacle {}: {cut}", obstacle.id)));
         if course.stands() {
             let [x, y] = course.knots[0].at.map(rounded);
             let yaw = degrees(course.knots[0].yaw);

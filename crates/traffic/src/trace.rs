@@ -5,7 +5,9 @@ use crate::ReadOptions;
 use crate::commonroad::{COORDINATE_M, EXTENT_M, SPEED_M_S};
 use crate::error::{TrafficError, TrafficPlace};
 use crate::outline::{Outline, Placed};
-use crate::recording::{Ego, Obstacle, Recording, TimedState, wrapped};
+use crate::recording::{
+    Ego, Obstacle, Recording, StateSpread, TimedState, without_turns_about, wrapped,
+};
 use std::collections::BTreeMap;
 
 /// Bodies of a trace, at most: more than any simulator moves, and a bound on what a file can cost.
@@ -146,14 +148,13 @@ impl Tracks {
         ego: &str,
         options: &ReadOptions<'_>,
     ) -> Result<Recording, Fault> {
-        let known = || listed(self.order.iter().map(String::as_str));
         if let Some(unknown) = options.without.iter().find(|id| !self.bodies.contains_key(*id)) {
             let fault = format!("there is no object {unknown:?} to leave out");
-            return Err((fault, format!("objects here: {}", known())));
+            return Err((fault, format!("objects here: {}", self.known())));
         }
         let Some(own) = self.bodies.get(ego).filter(|body| !body.first.is_fixed) else {
             let fault = format!("there is no moving object {ego:?}, which is to be the ego");
-            return Err((fault, format!("name another: --ego ID. Objects here: {}", known())));
+            return Err((fault, format!("name another: --ego ID. Objects here: {}", self.known())));
         };
         let (level_m, mut notes) = (own.first.bottom_m, Vec::new());
         if !["car", "suv"].contains(&own.first.kind) {
@@ -183,12 +184,14 @@ impl Tracks {
                 off_level.push(id.clone());
             }
             let outline = Outline::rectangle(first.size_m[0], first.size_m[1]);
-            let track = body.track();
+            let mut track = body.track();
+            notes.extend(without_turns_about(&mut track, &format!("object {id}")));
             if id == ego {
                 let (start, outline) = (track[0], Some(outline));
-                of_ego = Some(Ego { start, outline, went: track });
+                of_ego = Some(Ego { start, outline, went: track, spread: StateSpread::default() });
             } else {
-                others.push(Obstacle { id, kind: first.kind.to_owned(), outline, track });
+                let (kind, spread) = (first.kind.to_owned(), StateSpread::default());
+                others.push(Obstacle { id, kind, outline, track, spread });
             }
         }
         if !guessed.is_empty() {
@@ -209,6 +212,11 @@ impl Tracks {
             return Err(("the ego is left out".to_owned(), "drop that --without".to_owned()));
         };
         Ok(Recording { name: name.to_owned(), ego, planned: Vec::new(), others, notes })
+    }
+
+    /// The ids of all objects, or of the first few.
+    pub(crate) fn known(&self) -> String {
+        listed(self.order.iter().map(String::as_str))
     }
 
     /// Whether nothing was seen.

@@ -5,7 +5,7 @@
 
 use crate::library::{Entry, Library};
 use crate::outline::{Outline, Placed};
-use crate::recording::{Recording, TimedState};
+use crate::recording::{Recording, StateSpread, TimedState};
 use scenario::{CANDIDATES_MAX, decimal};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -103,6 +103,31 @@ pub(crate) fn party(text: &mut String, name: &str, outline: &Outline, entry: &En
     if entry.unknown {
         text.push_str("kind = \"unknown\"\n");
     }
+}
+
+/// How well a party is known, where the recording says so, and the values that a scenario cannot
+/// hold, which are cut, in words. `speed_m_s` is its speed: a scenario has errors as shares of it.
+pub(crate) fn errors(
+    text: &mut String,
+    spread: &StateSpread,
+    speed_m_s: f64,
+) -> Option<&'static str> {
+    // The limits of `scenario`.
+    let most = [10.0, 10.0, 90.0, 0.5];
+    let share = if speed_m_s == 0.0 { f64::INFINITY } else { spread.speed_m_s / speed_m_s.abs() };
+    let share = if spread.speed_m_s == 0.0 { 0.0 } else { share };
+    let values = [spread.longitudinal_m, spread.lateral_m, spread.yaw.to_degrees(), share];
+    let names = ["longitudinal_m", "lateral_m", "yaw_deg", "speed_share"];
+    let stated = || names.iter().zip(values).zip(most).filter(|((_, value), _)| *value > 0.0);
+    let said: Vec<String> = stated()
+        .map(|((name, value), most)| format!("{name} = {}", rounded(value.min(most))))
+        .collect();
+    if !said.is_empty() {
+        let _w = writeln!(text, "errors = {{ {} }}", said.join(", "));
+    }
+    stated().any(|((_, value), most)| value > most).then_some(
+        "its first state is known less well than a scenario can say (10 m, 90°, half of its speed)",
+    )
 }
 
 /// Rounded to 0.0001; −0 becomes +0.

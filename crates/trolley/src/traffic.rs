@@ -170,7 +170,7 @@ pub struct ImportedTraffic {
 #[must_use]
 pub fn is_traffic(path: &Path) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
-    if trace_form(path).is_some() || matches!(end.as_deref(), Some("xml" | "xosc")) {
+    if trace_form(path).is_some() || matches!(end.as_deref(), Some("xml" | "xosc" | "pb")) {
         return true;
     }
     let mut head = [0; 64];
@@ -220,6 +220,10 @@ fn trace_form(path: &Path) -> Option<TraceForm> {
 /// library, more obstacles can be reached than a scenario holds, or somebody moves as no body can.
 pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, Failure> {
     let name = path.display().to_string();
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("pb")) {
+        let fault = format!("{name}: CommonRoad in protobuf is not read");
+        return Err(Failure::input(fault).with_remedy("write it as XML with commonroad-io"));
+    }
     let mut manoeuvres = options.manoeuvres()?;
     let library = options.library()?;
     if !options.solutions.is_empty() && options.at_s.is_some_and(|at_s| at_s > 0.0) {

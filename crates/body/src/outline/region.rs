@@ -1,6 +1,6 @@
 //! Regions of the plane in whole numbers, so that unions are exact and the same on all machines.
 
-use super::Ring;
+use super::{Ring, TOLERANCE_M};
 use geometry::plan;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
@@ -9,10 +9,14 @@ use i_overlay::i_float::int::angle::Angle;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
 use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A point of the grid.
 pub(super) type Point = IntPoint<i32>;
+
+/// What lies this near to each other is the same in a union (m): a twentieth of what outlines may
+/// leave out.
+const SAME_M: f64 = 0.05 * TOLERANCE_M;
 
 /// Corners sharper than 20° are cut when a region grows; in 2⁻³² of a turn.
 const SHARPEST: Angle = Angle::from_bits(((1_u64 << 32) * 20 / 360) as u32);
@@ -65,7 +69,14 @@ fn area_2(ring: &[Point]) -> i128 {
 
 impl Region {
     /// The union of rings, whichever way round, each filled.
-    pub(super) fn union(mut rings: Vec<Vec<Point>>) -> Self {
+    ///
+    /// Cross-sections of one wall are the same lines but for rounding and the points on them. Lines
+    /// that nearly coincide cross at very many points of the grid, so what is nearer than
+    /// [`SAME_M`] is made the same first.
+    pub(super) fn union(rings: Vec<Vec<Point>>, grid: &Grid) -> Self {
+        let within = grid.cells(SAME_M);
+        let mut rings: Vec<_> = rings.iter().map(|ring| straightened(ring, within)).collect();
+        merge_near(&mut rings, within);
         rings.retain(|ring| ring.len() >= 3);
         for ring in &mut rings {
             if area_2(ring) < 0 {
@@ -86,8 +97,8 @@ impl Region {
     }
 
     /// This region with others.
-    pub(super) fn and(&self, rings: Vec<Vec<Point>>) -> Self {
-        self.with(&Self::union(rings), OverlayRule::Union)
+    pub(super) fn and(&self, rings: Vec<Vec<Point>>, grid: &Grid) -> Self {
+        self.with(&Self::union(rings, grid), OverlayRule::Union)
     }
 
     /// Squares of one size that hold all points: as small as there are at most `most` of them, and
@@ -167,6 +178,49 @@ impl Region {
     }
 }
 
+/// A ring without points that lie within a distance of the line without them.
+fn straightened(ring: &[Point], within: i32) -> Vec<Point> {
+    let points: Vec<_> = ring.iter().map(|p| [p.x, p.y].map(f64::from)).collect();
+    let point = |[x, y]: [f64; 2]| Point::new(x as i32, y as i32);
+    simplified(&points, f64::from(within)).into_iter().map(point).collect()
+}
+
+/// Makes points one that lie within a distance of each other along both axes: each becomes the
+/// first such point in the order of x, then y.
+fn merge_near(rings: &mut [Vec<Point>], within: i32) {
+    let key = |p: &Point| (p.x, p.y);
+    let mut points: Vec<Point> = rings.iter().flatten().copied().collect();
+    points.sort_by_key(key);
+    points.dedup();
+    let cell = |p: &Point| (p.x.div_euclid(within.max(1)), p.y.div_euclid(within.max(1)));
+    let mut kept: BTreeMap<(i32, i32), Vec<Point>> = BTreeMap::new();
+    let mut becomes: BTreeMap<(i32, i32), Point> = BTreeMap::new();
+    for p in &points {
+        let (column, row) = cell(p);
+        let is_near = |q: &&Point| (p.x - q.x).abs() <= within && (p.y - q.y).abs() <= within;
+        let first = (column - 1..=column)
+            .flat_map(|column| (row - 1..=row + 1).map(move |row| (column, row)))
+            .filter_map(|cell| kept.get(&cell))
+            .flatten()
+            .filter(is_near)
+            .min_by_key(|q| key(q))
+            .copied();
+        if first.is_none() {
+            kept.entry((column, row)).or_default().push(*p);
+        }
+        becomes.insert(key(p), first.unwrap_or(*p));
+    }
+    for ring in rings {
+        for p in ring.iter_mut() {
+            *p = becomes.get(&key(p)).copied().unwrap_or(*p);
+        }
+        ring.dedup();
+        if ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+    }
+}
+
 /// Twice the area of a triangle, positive if it is counter-clockwise.
 fn turn(a: Point, b: Point, p: Point) -> i128 {
     let [ax, ay, bx, by, px, py] = [a.x, a.y, b.x, b.y, p.x, p.y].map(i128::from);
@@ -230,9 +284,9 @@ fn simplified(ring: &[[f64; 2]], tolerance_m: f64) -> Ring {
     let mut open = vec![(0, middle), (middle, n)];
     // Each turn keeps one more point or closes one piece.
     while let Some((from, to)) = open.pop() {
-        let far = |k: usize| plan::distance_m(turned[k], [turned[from], turned[to]]);
-        let furthest = (from + 1..to).max_by(|a, b| far(*a).total_cmp(&far(*b)));
-        if let Some(k) = furthest.filter(|k| far(*k) > tolerance_m) {
+        let far = |k: usize| (k, plan::distance_m(turned[k], [turned[from], turned[to]]));
+        let furthest = (from + 1..to).map(far).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((k, _)) = furthest.filter(|(_, far_m)| *far_m > tolerance_m) {
             keep[k] = true;
             open.extend([(from, k), (k, to)]);
         }

@@ -39,7 +39,7 @@ pub(super) fn of(corners: &[Triangle], bands: &[[f64; 2]], grid: &Grid) -> Vec<R
         .chunks(SECTIONS)
         .map(|cuts| {
             let pieces: Vec<_> = cuts.iter().flat_map(|cut| rings(cut, grid)).collect();
-            Region::union(fewer(pieces, grid))
+            Region::union(fewer(pieces, grid), grid)
         })
         .collect();
     let inside: Vec<_> = regions.iter().map(|region| region.inside(grid, NEAR_M)).collect();
@@ -64,7 +64,7 @@ pub(super) fn of(corners: &[Triangle], bands: &[[f64; 2]], grid: &Grid) -> Vec<R
     }
     for (region, missed) in regions.iter_mut().zip(missed) {
         if !missed.is_empty() {
-            *region = region.and(fewer(missed, grid));
+            *region = region.and(fewer(missed, grid), grid);
         }
     }
     regions

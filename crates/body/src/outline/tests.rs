@@ -119,6 +119,31 @@ fn open_cut_and_inside_out_surfaces_have_the_outline_of_the_whole() {
     }
 }
 
+/// Sections of one wall that differ by a micrometre: their union had thousands of points, and took
+/// a second.
+#[test]
+fn the_union_of_lines_that_nearly_coincide_is_one_of_them() {
+    let grid = region::Grid::over(&[[[12.0, 2.0, 0.0]; 3]]);
+    let turned = CAR.map(|[x, y]| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y]);
+    let section = |number: i32| {
+        let side = |k: usize| {
+            let (p, q) = (turned[k], turned[(k + 1) % 4]);
+            (0..20).map(move |i| {
+                // Cuts of the faces lie elsewhere in every section.
+                let share = (f64::from(i) + f64::from(number % 5) * 0.2).min(19.5) / 20.0;
+                let share = if i == 0 { 0.0 } else { share };
+                [p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])]
+            })
+        };
+        let off = 1e-6 * f64::from((number * 7) % 3 - 1);
+        (0..4).flat_map(side).map(|[x, y]| grid.cell(x + off, y - off)).collect()
+    };
+    let region = region::Region::union((0..24).map(section).collect(), &grid);
+    let rings = region.rings(&grid, 0.0);
+    assert_eq!(rings.iter().map(Vec::len).collect::<Vec<_>>(), [4]);
+    assert!((area(&rings[0]) - 8.1).abs() < 1e-4);
+}
+
 #[test]
 fn mirrors_are_weak_by_their_width_or_by_their_name() {
     let mut corners = prism(&CAR, [0.2, 1.5], 1, true);

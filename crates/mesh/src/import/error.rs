@@ -180,6 +180,15 @@ impl Diagnostic for ImportError {
     fn remedy(&self) -> Option<Cow<'_, str>> {
         let remedy = match &self.fault {
             MeshDefect::Unsupported { what } | MeshDefect::Misnamed { looks: what, .. }
+                if what.contains("Git LFS") =>
+            {
+                "bring the file itself: git lfs pull"
+            }
+            // It is an archive, of what is not read either.
+            MeshDefect::Unsupported { what } if what.starts_with("a file named .3mf") => {
+                "convert it to OBJ, STL, PLY, glTF, GLB or COLLADA"
+            }
+            MeshDefect::Unsupported { what } | MeshDefect::Misnamed { looks: what, .. }
                 if what.contains("gzip") =>
             {
                 return Some(format!("unpack it first: gunzip -k {}", self.file).into());

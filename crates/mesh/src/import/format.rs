@@ -120,7 +120,8 @@ const LOOK_MAX: usize = 64 << 10;
 
 /// What the content is, if that is certain: the name of a format, or a description.
 fn look(bytes: &[u8]) -> Option<&'static str> {
-    const SIGNS: [(&[u8], &str); 9] = [
+    const SIGNS: [(&[u8], &str); 10] = [
+        (b"version https://git-lfs.github.com/spec/", "a pointer of Git LFS"),
         (b"glTF", "GLB"),
         (b"ply\n", "PLY"),
         (b"ply\r", "PLY"),

@@ -51,7 +51,8 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     if scan.faces.is_empty() {
         let vertices = scan.vertex_lines.len();
         let what = match (vertices, scan.lines) {
-            (0, _) => ": the file is empty".to_owned(),
+            (0, _) if text.trim().is_empty() => ": the file is empty".to_owned(),
+            (0, _) => ": no line of it is a vertex (v) or a face (f) of Wavefront OBJ".to_owned(),
             (_, 0) => format!(": a point cloud of {vertices} vertices without faces"),
             (_, lines) => format!(": {lines} lines without faces"),
         };

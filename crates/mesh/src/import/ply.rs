@@ -18,7 +18,8 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
     let header = any.read_header(&mut reader).map_err(|fault| refuse(&fault, 0, into))?;
     check_counts(&header, bytes.len(), into)?;
     let mut points: Vec<[f32; 3]> = Vec::new();
-    let mut faces = 0;
+    // Faces may stand before the vertices that they name.
+    let mut faces: Vec<Face> = Vec::new();
     let part = into.part("", Vec::new())?;
     let left_out = left_out.len();
     for (name, element) in &header.elements {
@@ -32,11 +33,9 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
                     (0..).zip(vertices).map(|v| v.1.place(v.0, into)).collect::<Result<_, _>>()?;
             }
             "face" => {
-                let read = Parser::<Face>::new()
+                faces = Parser::<Face>::new()
                     .read_payload_for_element(&mut reader, element, &header)
                     .map_err(|fault| late(fault, into))?;
-                faces = read.len();
-                add(&read, &points, part, into)?;
             }
             "tristrips" => {
                 return Err(
@@ -52,11 +51,11 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
             }
         }
     }
-    if faces == 0 {
+    if faces.is_empty() {
         let fault = MeshDefect::Empty(format!(": {} vertices without faces", points.len()));
         return Err(into.fail(FilePosition::Whole, fault));
     }
-    Ok(())
+    add(&faces, &points, part, into)
 }
 
 /// Maximum number of lines of a header.
@@ -141,11 +140,6 @@ fn check_counts(header: &Header, bytes: usize, into: &Collector<'_>) -> Result<(
             let what = if name == "vertex" { "vertices" } else { "faces" };
             return fail(MeshDefect::TooMany { what, count, max });
         }
-    }
-    let order: Vec<&String> = header.elements.keys().collect();
-    let place = |name: &str| order.iter().position(|known| *known == name);
-    if place("face") < place("vertex") {
-        return fail(MeshDefect::Feature("a file with faces before vertices".to_owned()));
     }
     if let Some(element) = header.elements.values().find(|element| element.count > bytes) {
         let fault =

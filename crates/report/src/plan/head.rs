@@ -9,6 +9,9 @@ use trolley::{Answer, AnswerState, CourseRow};
 /// usual level of confidence.
 const WORLDS_SURE: f64 = 0.95;
 
+/// More of what was assumed than this is folded (characters).
+const LINE_MAX: usize = 160;
+
 /// Whether the first candidate does least harm for all that is known: nothing open can change it,
 /// the model tells it from all others, and neither chance nor what the model does not know would
 /// often have another one first.
@@ -152,13 +155,39 @@ pub(super) fn head(
     let implausible =
         answer.implausible.iter().map(|one| format!("Implausible: {}", one.sentence()));
     let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
-    let assumed = answer.assumptions.iter().map(|text| format!("Assumed: {text}."));
     let notes = answer.notes.iter().filter(|note| !note.is_refusal());
     let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
-    for remark in implausible.chain(missing).chain(assumed).chain(notes) {
+    for remark in implausible.chain(missing).chain(notes) {
         let _w = write!(body, "<p class=\"remark\">{}</p>", name(&remark));
     }
+    assumed(&answer.assumptions, body);
     body.push_str("</header>");
+}
+
+/// What was assumed: in a line if it fits one, else folded, under how it begins.
+fn assumed(assumptions: &[String], body: &mut String) {
+    let length: usize = assumptions.iter().map(|text| text.chars().count()).sum();
+    let sentences = |body: &mut String| {
+        for text in assumptions {
+            let _w = write!(body, "<p class=\"remark\">{}</p>", name(&format!("Assumed: {text}.")));
+        }
+    };
+    if length <= LINE_MAX {
+        return sentences(body);
+    }
+    let begins: Vec<String> = assumptions.iter().map(|text| bdi(beginning(text))).collect();
+    let _w = write!(
+        body,
+        "<details class=\"assumed\"><summary>Assumed: {}</summary>",
+        begins.join("; ")
+    );
+    sentences(body);
+    body.push_str("</details>");
+}
+
+/// As far as its first colon or semicolon: what it lists comes after.
+fn beginning(text: &str) -> &str {
+    text.split([':', ';']).next().unwrap_or(text)
 }
 
 /// What a way comes to, in a sentence or two.

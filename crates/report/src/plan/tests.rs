@@ -121,6 +121,23 @@ fn the_answer_stands_first_and_who_touches_nobody_before_all_others() {
 }
 
 #[test]
+fn long_lists_of_what_is_assumed_are_folded_under_how_they_begin() {
+    let (mut answer, run, scene) = ranked();
+    answer.assumptions = vec!["the ego is empty".to_owned()];
+    let page = made(&answer, &run, &scene);
+    assert!(page.contains("Assumed: the ego is empty.") && !page.contains("class=\"assumed\""));
+    let cars: Vec<String> = (0..40).map(|number| format!("car {number} 1 of 5")).collect();
+    answer.assumptions.push(format!("the usual number is in these: {}", cars.join(", ")));
+    let page = made(&answer, &run, &scene);
+    let folded = page.split("class=\"assumed\">").nth(1).expect("folded");
+    let (summary, all) = folded.split_once("</summary>").expect("a summary");
+    assert!(
+        summary.contains("the ego is empty") && summary.contains("the usual number is in these")
+    );
+    assert!(!summary.contains("car 39") && all.contains("car 39"), "{summary}");
+}
+
+#[test]
 fn every_contact_is_said_with_its_figures_and_drawn() {
     let (answer, run, scene) = ranked();
     let page = made(&answer, &run, &scene);

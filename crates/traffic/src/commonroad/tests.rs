@@ -50,7 +50,11 @@ fn the_small_file_reads_as_it_is_written() {
     assert_eq!(middle.place.at, [20.0, -3.5]);
     assert!((middle.place.yaw - 1.5).abs() < 1e-12 && middle.speed_m_s == 1.5);
     assert!(walker.at(2.01).is_none(), "it went");
-    assert_eq!(read.notes, ["obstacle 2: 2 of its states are intervals; their middles are taken"]);
+    assert_eq!(
+        read.notes,
+        ["obstacle 2: 2 of its states are intervals; their middles are taken; of the first: as \
+          likely anywhere in them, standard deviations 3.308 ° of heading"]
+    );
 }
 
 /// What is replaced, by what, the line of the fault, and its text.
@@ -141,6 +145,126 @@ fn speeds_that_are_not_stated_follow_from_places() {
     let walker = &recording.others[1];
     assert_eq!(walker.track.iter().map(|m| m.speed_m_s).collect::<Vec<_>>(), [1.5, 1.5]);
     assert!(recording.notes.iter().any(|note| note.contains("speeds are not stated")));
+}
+
+/// The walker's states as text, between those of its first one and its end.
+fn walked(states: &str) -> Result<Recording, TrafficError> {
+    let from = SMALL.find("<trajectory>").expect("there");
+    let to = SMALL.find("</trajectory>").expect("there");
+    let text = [&SMALL[..from + 12], states, &SMALL[to..]].concat();
+    read("s.xml", &text, &ReadOptions::default())
+}
+
+fn state(step: u32, [x, y]: [f64; 2], more: &str) -> String {
+    format!(
+        "<state><position><point><x>{x}</x><y>{y}</y></point></position><time><exact>{step}\
+         </exact></time>{more}</state>"
+    )
+}
+
+const HEADING: &str = "<orientation><exact>1.5</exact></orientation>";
+const SPEED: &str = "<velocity><exact>1.5</exact></velocity>";
+
+#[test]
+fn a_state_that_stands_twice_counts_once() {
+    let at_2 = state(2, [20.0, -4.7], &[HEADING, SPEED].concat());
+    let at_4 = state(4, [20.0, -4.4], &[HEADING, SPEED].concat());
+    let recording = walked(&[&*at_2, &at_2, &at_4].concat()).expect("valid");
+    assert_eq!(recording.others[1].track.len(), 3);
+    assert!(recording.notes.iter().any(|note| note.ends_with("1 of its states stand twice")));
+    let other = state(2, [20.0, -4.6], &[HEADING, SPEED].concat());
+    let error = walked(&[at_2, other].concat()).expect_err("two places at one time");
+    assert!(error.what.contains("not after"), "{error}");
+}
+
+#[test]
+fn a_heading_that_is_exchanged_with_the_rear_is_kept() {
+    let reversed = "<orientation><exact>-1.6416</exact></orientation>";
+    let states: String = (1..6)
+        .map(|k| {
+            let heading = if k == 3 || k == 4 { reversed } else { HEADING };
+            state(k, [20.0, -5.0 + 0.15 * f64::from(k)], &[heading, SPEED].concat())
+        })
+        .collect();
+    let recording = walked(&states).expect("valid");
+    let walker = &recording.others[1];
+    assert!(walker.track.iter().all(|state| (state.place.yaw - 1.5).abs() < 1e-4));
+    assert!(recording.notes.iter().any(|note| note.contains("exchanged 2 times")));
+}
+
+#[test]
+fn headings_that_are_not_stated_follow_from_places_or_velocities() {
+    let states: String =
+        (1..4).map(|k| state(k, [20.0 + 0.15 * f64::from(k), -5.0], SPEED)).collect();
+    let recording = walked(&states).expect("valid");
+    let yaws: Vec<f64> =
+        recording.others[1].track.iter().skip(1).map(|state| state.place.yaw).collect();
+    assert_eq!(yaws, [0.0; 3]);
+    assert!(recording.notes.iter().any(|note| note.contains("orientations are not stated")));
+    // A point mass.
+    let masses = "<velocity><exact>3</exact></velocity><velocityY><exact>4</exact></velocityY>";
+    let recording = walked(&state(1, [20.3, -4.6], masses)).expect("valid");
+    let last = recording.others[1].track[1];
+    assert!((last.speed_m_s - 5.0).abs() < 1e-12);
+    assert!((last.place.yaw - libm::atan2(4.0, 3.0)).abs() < 1e-12);
+}
+
+#[test]
+fn who_has_one_state_goes_straight_on() {
+    let text = SMALL.replace("<trajectory>", "<x>").replace("</trajectory>", "</x>");
+    let recording = read("s.xml", &text, &ReadOptions::default()).expect("valid");
+    let walker = &recording.others[1];
+    assert_eq!((walker.track.len(), walker.is_static()), (2, false));
+    let [first, next] = [0, 1].map(|k| walker.track[k].place.at);
+    assert!((libm::hypot(next[0] - first[0], next[1] - first[1]) - 0.15).abs() < 1e-12);
+    assert!(recording.notes.iter().any(|note| note.contains("straight on")));
+    let text = text.replace("<velocity><exact>1.5</exact></velocity>", "");
+    let error = read("s.xml", &text, &ReadOptions::default()).expect_err("no speed");
+    assert!(error.what.contains("only its first state"), "{error}");
+}
+
+/// A uniform distribution over 2 h has the standard deviation h / √3.
+#[test]
+fn intervals_of_a_first_state_say_how_well_it_is_known() {
+    let region = "<position><rectangle><length>4</length><width>1</width><orientation>0\
+                  </orientation><center><x>0</x><y>0</y></center></rectangle></position>";
+    let text =
+        SMALL.replace("<position><point><x>0</x><y>0</y></point></position>", region).replace(
+            "<velocity><exact>12</exact>",
+            "<velocity><intervalStart>9</intervalStart><intervalEnd>15</intervalEnd>",
+        );
+    let recording = read("s.xml", &text, &ReadOptions::default()).expect("valid");
+    let (start, spread) = (recording.ego.start, recording.ego.spread);
+    assert_eq!((start.place.at, start.speed_m_s), ([0.0; 2], 12.0));
+    let known = [spread.longitudinal_m, spread.lateral_m, spread.yaw, spread.speed_m_s];
+    let half = [2.0, 0.5, 0.0, 3.0];
+    for (known, half) in known.iter().zip(half) {
+        assert!((known - half / 3.0_f64.sqrt()).abs() < 1e-12, "{spread:?}");
+    }
+    assert!(recording.notes.iter().any(|note| note.contains("as likely anywhere")));
+    // They are those of the members that are drawn.
+    let library = crate::Library::parse("default.toml", crate::DEFAULT_LIBRARY).expect("valid");
+    let manoeuvres = crate::Manoeuvres::default();
+    let (text, _) =
+        crate::scenario_text("s.xml", &recording, &manoeuvres, &library).expect("a scenario");
+    let ego = text.find("[parties.\"ego\"]").expect("there");
+    let errors = "errors = { longitudinal_m = 1.1547, lateral_m = 0.2887, speed_share = 0.1443 }";
+    assert!(text[ego..].contains(errors), "{text}");
+    assert!(text.contains("errors = { yaw_deg = 3.308 }"), "{text}");
+}
+
+#[test]
+fn all_that_cannot_be_read_is_named_at_once() {
+    let error = small("<trajectory>", "<occupancySet/><trajectory>").expect_err("a set");
+    assert!(error.remedy.ends_with("leave them out: --without 2"), "{error:?}");
+    let read = |text: &str| read("a.xml", text, &ReadOptions::default()).expect_err("refused");
+    let solution = read("<CommonRoadSolution benchmark_id=\"KS2:SA1:Small:2020a\"/>");
+    assert!(solution.what.contains("a planner's solution"), "{solution}");
+    assert!(solution.remedy.contains("--solution"), "{solution:?}");
+    let map = read("<commonRoad commonRoadVersion='2020a' timeStepSize='0.1'/>");
+    assert!(map.what.contains("a map alone"), "{map}");
+    let pointer = read("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n");
+    assert!(pointer.remedy.contains("git lfs pull"), "{pointer:?}");
 }
 
 proptest! {

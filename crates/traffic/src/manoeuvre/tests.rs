@@ -9,7 +9,8 @@ fn moment(x: f64, y: f64, yaw: f64, speed_m_s: f64) -> TimedState {
 }
 
 fn recording(ego: TimedState, others: Vec<Obstacle>) -> Recording {
-    let ego = Ego { start: ego, outline: None, went: Vec::new() };
+    let ego =
+        Ego { start: ego, outline: None, went: Vec::new(), spread: crate::StateSpread::default() };
     Recording { name: "test".to_owned(), ego, planned: Vec::new(), others, notes: Vec::new() }
 }
 
@@ -58,6 +59,7 @@ fn a_recording_says_when_its_ego_meets_somebody() {
         |n: u32| TimedState { time_s: f64::from(n), ..moment(10.0 * f64::from(n), 0.0, 0.0, 10.0) };
     let round = Outline { parts: vec![OutlinePart::Circle([0.0; 2], 0.3)] };
     let walker = Obstacle {
+        spread: crate::StateSpread::default(),
         id: "35".to_owned(),
         kind: "pedestrian".to_owned(),
         outline: round,

@@ -356,3 +356,22 @@ mod container {
         }
     }
 }
+
+/// Libraries of proto3 leave out fields that are 0.
+#[test]
+fn what_is_left_out_of_a_part_that_is_there_is_zero() {
+    let mut truths = [0.0, 0.1, 0.2].map(truth);
+    for (index, truth) in truths.iter_mut().enumerate() {
+        let mut ego = object(0, 1.0 + index as f64);
+        let base = ego.base.as_mut().expect("there");
+        base.position = Some(Vector { y: None, ..base.position.expect("there") });
+        base.orientation = Some(Orientation { yaw: None });
+        ego.id = Some(Identifier { value: None });
+        truth.host_vehicle_id = Some(Identifier { value: None });
+        truth.moving[0] = ego.encode_to_vec();
+    }
+    let recording = read("t.osi", &trace(&truths), &ReadOptions::default()).expect("valid");
+    let place = recording.ego.start.place;
+    assert_eq!((place.at, place.yaw), ([1.0, 0.0], 0.0));
+    assert_eq!(recording.others.len(), 1);
+}

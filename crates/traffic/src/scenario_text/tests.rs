@@ -20,13 +20,19 @@ fn moment(time_s: f64, at: [f64; 2], yaw: f64, speed_m_s: f64) -> TimedState {
 
 fn obstacle(id: &str, kind: &str, track: Vec<TimedState>) -> Obstacle {
     let outline = Outline::rectangle(4.0, 1.8);
-    Obstacle { id: id.to_owned(), kind: kind.to_owned(), outline, track }
+    Obstacle {
+        id: id.to_owned(),
+        kind: kind.to_owned(),
+        outline,
+        track,
+        spread: crate::StateSpread::default(),
+    }
 }
 
 /// An ego that drives along x with 15 m/s from the origin, among these.
 fn scene(others: Vec<Obstacle>) -> Recording {
     let start = moment(0.0, [0.0; 2], 0.0, 15.0);
-    let ego = Ego { start, outline: None, went: Vec::new() };
+    let ego = Ego { start, outline: None, went: Vec::new(), spread: crate::StateSpread::default() };
     Recording { name: "a \"name\"".to_owned(), ego, planned: Vec::new(), others, notes: Vec::new() }
 }
 

@@ -54,6 +54,15 @@ fn wrong_names_are_refused_with_what_the_content_looks_like() {
     for (file, bytes, expected) in cases {
         assert_eq!(detect(file, bytes).expect_err(file), expected);
     }
+    let remedy = |file: &str, bytes: &[u8]| {
+        let fault = Format::detect(file, bytes).expect_err(file);
+        fault.remedy().unwrap_or_default().into_owned()
+    };
+    // Unpacking it leads nowhere.
+    assert!(remedy("a.3mf", b"PK\x03\x04").starts_with("convert it"));
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3\n";
+    assert!(remedy("a.ply", pointer).ends_with("git lfs pull"));
+    assert!(remedy("a.off", pointer).ends_with("git lfs pull"));
     let fault = Format::detect("a.obj", b"ply\n").expect_err("misnamed");
     assert_eq!(fault.remedy().unwrap_or_default(), "rename it to end in .ply");
 }

@@ -45,12 +45,13 @@ fn check_version(bytes: &[u8], into: &Collector<'_>) -> Result<(), ImportError> 
     }
     #[derive(serde::Deserialize)]
     struct Asset {
-        version: Option<String>,
+        version: Option<serde_json::Value>,
     }
     // What is no JSON is said with its line by whoever reads it next.
     let head: Option<Head> = serde_json::from_slice(bytes).ok();
     let version = head.and_then(|head| head.asset).and_then(|asset| asset.version);
-    match version {
+    // The first files of 1.0 have a number there.
+    match version.map(|version| version.as_str().map_or(version.to_string(), str::to_owned)) {
         Some(version) if version == "1" || version.starts_with("1.") => {
             Err(into.fail(FilePosition::Whole, MeshDefect::Former("glTF 1.0")))
         }

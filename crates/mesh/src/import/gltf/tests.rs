@@ -247,7 +247,8 @@ fn a_former_version_and_compression_are_named_with_their_remedies() {
         (error.to_string(), error.remedy().unwrap_or_default().into_owned())
     };
     let former = br#"{"asset": {"version": "1.0"}, "buffers": {"b": {"uri": "b.bin"}}}"#;
-    for bytes in [&former[..], b"glTF\x01\0\0\0\x20\0\0\0"] {
+    let first = br#"{"accessors": {"a": {}}, "asset": {"version": 1}}"#;
+    for bytes in [&former[..], first, b"glTF\x01\0\0\0\x20\0\0\0"] {
         let (said, remedy) = refused(bytes);
         assert_eq!(said, "a.gltf: glTF 1.0 is not supported");
         assert!(remedy.contains("glTF 2.0"), "{remedy}");

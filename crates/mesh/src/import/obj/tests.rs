@@ -114,6 +114,10 @@ fn every_fault_has_its_line() {
         assert_eq!(fault(&format!("{SQUARE}{tail}")), expected);
     }
     assert_eq!(fault(""), "a.obj: no triangle: the file is empty");
+    assert_eq!(
+        fault("P 0.3 0.3 0.4 10 1 1558\n"),
+        "a.obj: no triangle: no line of it is a vertex (v) or a face (f) of Wavefront OBJ"
+    );
     assert_eq!(fault("v 0 0 0\0\n"), "a.obj: it is not text: it contains zero bytes");
 }
 

@@ -104,6 +104,15 @@ proptest! {
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 #[test]
+fn faces_may_stand_before_their_vertices() {
+    let text = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n\
+                element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n";
+    let read = collect(text.as_bytes()).expect("valid");
+    assert_eq!(read.corners, [TRIANGLE]);
+}
+
+#[test]
 fn every_fault_has_its_place() {
     let good = String::from_utf8(ascii(&TRIANGLE, &[vec![0, 1, 2]])).expect("text");
     let bend = |from: &str, to: &str| fault(good.replacen(from, to, 1).as_bytes());
