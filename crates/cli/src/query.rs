@@ -288,9 +288,8 @@ fn ranking(scenario: &scenario::Scenario, answer: &WireAnswer, doubts: &[Implaus
     let others: Vec<&str> = with(flag::TIED).filter(|name| *name != best_name).collect();
     let least = ranking_table::least(best_name, others.len());
     let hits_nobody = all.iter().any(WirePlace::hits_nobody);
-    let is_stated_alone = best.is_some_and(|best| has(best, flag::STATED_ALONE));
-    let hits_nobody = (!is_stated_alone).then_some(hits_nobody);
-    lines.push(ranking_table::first(&free, hits_nobody, &least));
+    let is_known = best.is_none_or(|best| !has(best, flag::STATED_ALONE));
+    lines.push(ranking_table::first(&free, is_known.then_some(hits_nobody), &least));
     if !free.is_empty() && !free.contains(&best_name) {
         lines.push(format!("First under the policy: {best_name}."));
     }
