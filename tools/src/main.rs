@@ -2,11 +2,13 @@
 //!
 //! Each task starts cargo or what cargo has built. Nothing that ships depends on this program.
 
+mod aarch64;
 mod bench;
 mod built;
 mod check;
 mod compare;
 mod count;
+mod deb;
 mod faults;
 mod gallery;
 mod machine;
@@ -96,6 +98,18 @@ enum Task {
     /// Files are scenarios, or traffic, of which scenarios are made. Fails if the search missed a
     /// contact, or invented one.
     Scenarios(scenarios::Options),
+    /// Build for ARM, test under an emulator, and compare with this machine.
+    ///
+    /// Makes a Debian root file system once, with a compiler and an emulator, in target/aarch64 or
+    /// $TROLLEY_AARCH64_ROOT, as root. What is done already is not done again. The page is
+    /// tools/results/aarch64.md.
+    Aarch64(aarch64::Options),
+    /// Make Debian packages for amd64 and arm64, and try them in clean systems.
+    ///
+    /// As root, with lintian and debootstrap. Each is installed, started, asked, upgraded and
+    /// removed in a system that has nothing yet; arm64 under an emulator. The page is
+    /// tools/results/deb.md.
+    Deb(deb::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
 }
@@ -118,6 +132,8 @@ fn main() -> Result<ExitCode> {
         Task::Corrupt => faults::corrupt(),
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
+        Task::Aarch64(options) => aarch64::run(&options),
+        Task::Deb(options) => deb::run(&options),
         Task::Gallery(options) => gallery::run(&options),
     }
 }

@@ -1,0 +1,131 @@
+//! The page of a run: what ran, how long it took, what is equal, and what an emulator cannot show.
+
+use super::equal::Row;
+use super::root::Root;
+use super::suites::Ended;
+use crate::built::Workspace;
+use crate::machine;
+use crate::step::Tally;
+use anyhow::Result;
+use std::fmt::{self, Display, Formatter};
+
+/// What a reader must not take from it.
+const LIMITS: &str = "\
+## What emulation cannot show
+
+- **Time.** No figure here says how fast an ARM core is: no deadline, no time to notice a fault, no budget.
+- **Memory order.** Guest code runs on x86-64, whose stores become visible in order, under an emulator that adds
+  barriers where ARM allows more. A missing `Acquire` or `Release` would not fail here. Only ARM cores show that;
+  `crates/simulate` explores orders of messages, not of loads and stores.
+- **System calls.** They are those of this kernel, translated: fork, exec, memfd, its seals, pidfd, epoll, signals and
+  `/proc/self/exe` pass through the emulator, which gives the file's path where the kernel would run the open program. So a
+  program that is replaced while it runs, and starts workers after that, is not shown.
+- **Pages.** The page size is this machine's, 4 KiB; ARM kernels with 16 or 64 KiB pages are not shown.
+- **Real time.** SCHED_FIFO, isolated cores, caches that share, cache partitions: nothing of it.
+- **Exceptional hardware.** Unaligned or torn accesses, SVE, errors of memory, a big and a little core at a time.
+- **Floating point** is computed in software by the emulator, which follows IEEE 754 as ARM does. That it is what silicon
+  gives rests on the emulator's own tests.
+";
+
+/// Everything that is on it.
+#[derive(Debug)]
+pub(crate) struct Page<'a> {
+    machine: Vec<(&'static str, String)>,
+    there: Vec<(&'static str, String)>,
+    ended: &'a [Ended],
+    rows: &'a [Row],
+}
+
+impl<'a> Page<'a> {
+    /// Asks for versions.
+    pub(crate) fn new(
+        workspace: &Workspace,
+        root: &Root,
+        ended: &'a [Ended],
+        rows: &'a [Row],
+    ) -> Result<Self> {
+        let emulator = root.says(&["qemu-aarch64", "--version"])?;
+        let there = vec![
+            ("compiler for aarch64", root.says(&["rustc", "--version"])?),
+            ("emulator", emulator.lines().next().unwrap_or_default().to_owned()),
+        ];
+        Ok(Self { machine: machine::describe(&workspace.root)?, there, ended, rows })
+    }
+
+    /// Whether all tests passed, and everything is equal.
+    pub(crate) fn is_well(&self) -> bool {
+        self.ended.iter().all(|end| end.failed.is_empty()) && self.rows.iter().all(Row::is_equal)
+    }
+}
+
+impl Display for Page<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "# ARM: tests under an emulator, and both architectures compared\n\n\
+             Written by `cargo x aarch64`. *Here* is x86-64 without an emulator, *there* is aarch64 under one, on the \
+             same\nmachine, which does other work too.\n\n| | |\n|---|---|\n",
+        )?;
+        for (name, value) in self.machine.iter().chain(&self.there) {
+            writeln!(f, "| {name} | {value} |")?;
+        }
+        let mut all = Tally::default();
+        self.ended.iter().for_each(|end| all.add(&end.tally));
+        let equal = self.rows.iter().filter(|row| row.is_equal()).count();
+        writeln!(f, "\n**{all}. {equal} of {} comparisons are equal.**\n", self.rows.len())?;
+
+        f.write_str(
+            "## What both compute\n\n\
+             Hashes are BLAKE3, the first 16 digits: of the `answer` byte for byte, of model files, of records without \
+             build,\nhash and times. Hit sets have the number of pairs or triangles, and the sums that \
+             `trolley intersect --help` defines.\n\n\
+             | what | here | there | here, s | there, s | |\n|---|---|---|--:|--:|---|\n",
+        )?;
+        for row in self.rows {
+            let [here, there] = &row.hashes;
+            let verdict = if row.is_equal() { "equal" } else { "**DIFFER**" };
+            let [here_s, there_s] = row.seconds;
+            let what = &row.what;
+            writeln!(f, "| {what} | {here} | {there} | {here_s:.1} | {there_s:.1} | {verdict} |")?;
+        }
+
+        f.write_str(
+            "\n## Tests there\n\n\
+             Optimised, as the program ships. Waits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
+             | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
+        )?;
+        for end in self.ended {
+            let Tally { passed, failed, ignored, .. } = end.tally;
+            let (name, seconds) = (&end.name, end.seconds);
+            writeln!(f, "| {name} | {passed} | {failed} | {ignored} | {seconds:.1} |")?;
+        }
+        let failed: Vec<_> = self.ended.iter().filter(|end| !end.failed.is_empty()).collect();
+        if !failed.is_empty() {
+            writeln!(f, "\nFailed:\n")?;
+        }
+        for end in failed {
+            writeln!(f, "- {}: {}", end.name, end.failed.join(", "))?;
+        }
+        write!(f, "\n{LIMITS}")
+    }
+}
+
+impl Display for Ended {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "tests   {}: {} in {:.0} s", self.name, self.tally, self.seconds)?;
+        if !self.failed.is_empty() {
+            write!(f, ", FAILED: {}", self.failed.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Row {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let [here, there] = &self.hashes;
+        if self.is_equal() {
+            write!(f, "equal   {}: {here}", self.what)
+        } else {
+            write!(f, "DIFFER  {}: {here} here, {there} there", self.what)
+        }
+    }
+}
