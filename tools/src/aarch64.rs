@@ -15,7 +15,7 @@ pub(crate) use root::{REGISTER, Root, TARGET, bootstrap, logged, namespaced};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
-pub(crate) use suites::build_program;
+pub(crate) use suites::{BUILD, build_program};
 
 /// How much to do.
 #[derive(Debug, Args)]
@@ -51,7 +51,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let file = equal::build_here()?;
     let here = Program { file: &file, root: None, source: &source };
     if options.quick {
-        let file = build_program(&root, &source, &["cargo", "build", "--package=trolley-cli"])?;
+        let file = build_program(&root, &source)?;
         let there = Program { file: &file, root: Some(&root), source: &source };
         let row = equal::quick(&here, &there)?;
         tell(&row.to_string())?;

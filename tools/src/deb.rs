@@ -3,7 +3,7 @@
 mod clean;
 mod page;
 
-use crate::aarch64::{Root, TARGET, build_program, logged};
+use crate::aarch64::{BUILD, Root, TARGET, build_program, logged};
 use crate::built::{Workspace, output, write};
 use crate::step::{cargo, now};
 use anyhow::{Context as _, Result, bail};
@@ -141,7 +141,7 @@ impl<'w> Maker<'w> {
     /// Of this machine: for its own libc and every later one.
     fn amd64(&self) -> Result<Packages> {
         let start = now();
-        output(cargo().args(BUILD).args(["--release", "--locked"]))?;
+        output(cargo().arg("build").args(BUILD))?;
         let release = self.workspace.target.join("release");
         self.stage(&release, &release.join("trolley"))?;
         let pack = |words: &[&str]| {
@@ -157,11 +157,10 @@ impl<'w> Maker<'w> {
     fn arm64(&self, root: &Root) -> Result<Packages> {
         let start = now();
         let source = self.workspace.root.canonicalize()?;
-        let words = [&["cargo"], BUILD].concat();
-        let program = build_program(root, &source, &words)?;
+        let program = build_program(root, &source)?;
         let release = program.parent().context("a file without a folder")?;
         // Pages and completions are the same for both; this machine runs its own program faster.
-        output(cargo().args(BUILD).args(["--release", "--locked"]))?;
+        output(cargo().arg("build").args(BUILD))?;
         self.stage(release, &self.workspace.target.join("release/trolley"))?;
         let packer = self.packer.canonicalize()?;
         let packer = packer.to_str().context("a path that is no UTF-8")?;
@@ -181,6 +180,10 @@ impl<'w> Maker<'w> {
         let man = folder.join("man");
         fs::create_dir_all(&man)?;
         output(Command::new(program).args(["man", "--out"]).arg(&man))?;
+        for page in fs::read_dir(&man)? {
+            // Without name and time: equal pages are equal bytes.
+            output(Command::new("gzip").args(["-9", "--no-name"]).arg(page?.path()))?;
+        }
         for shell in ["bash", "zsh", "fish"] {
             let text = output(Command::new(program).args(["completions", shell]))?;
             write(&folder.join(format!("trolley.{shell}")), &text)?;
@@ -213,7 +216,7 @@ impl<'w> Maker<'w> {
         let next = make("trolley-cli", "2", "none")?;
         let developers = make("trolley-client-c", "1", "same")?;
         let mut lintian = Command::new("lintian");
-        lintian.args(["--allow-root", "--fail-on", "error", "--no-tag-display-limit"]);
+        lintian.args(["--allow-root", "--fail-on", "error", "--tag-display-limit", "0"]);
         let said = lintian.args([&service, &developers]).output().context("lintian")?;
         let text = String::from_utf8_lossy(&said.stdout).into_owned();
         if !said.status.success() {
@@ -227,10 +230,6 @@ impl<'w> Maker<'w> {
         Ok(Packages { arch, service, next, developers, program, lintian: text, seconds })
     }
 }
-
-/// How the service and its client library are built: without the laboratory.
-const BUILD: &[&str] =
-    &["build", "--no-default-features", "--package=trolley-cli", "--package=trolley-client-c"];
 
 /// Size of the program in a package (bytes).
 fn program_size(package: &Path) -> Result<u64> {

@@ -13,6 +13,7 @@ mod faults;
 mod gallery;
 mod machine;
 mod oracle;
+mod safety;
 mod scenarios;
 mod step;
 mod unpacked;
@@ -110,6 +111,8 @@ enum Task {
     /// removed in a system that has nothing yet; arm64 under an emulator. The page is
     /// tools/results/deb.md.
     Deb(deb::Options),
+    /// Write requirements, assumptions and failure modes as needs.json, for sphinx-needs.
+    Needs(safety::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
 }
@@ -134,6 +137,7 @@ fn main() -> Result<ExitCode> {
         Task::Scenarios(options) => scenarios::run(&options),
         Task::Aarch64(options) => aarch64::run(&options),
         Task::Deb(options) => deb::run(&options),
+        Task::Needs(options) => safety::run(&options),
         Task::Gallery(options) => gallery::run(&options),
     }
 }

@@ -225,8 +225,7 @@ fn utf8(path: &Path) -> Result<&str> {
     path.to_str().context("a path that is no UTF-8")
 }
 
-/// Where the program for this machine is, once it is built.
+/// Builds the program for this machine; where it is.
 pub(crate) fn build_here() -> Result<PathBuf> {
-    let words = ["build", "--release", "--locked", "--package", "trolley-cli"];
-    crate::built::executable(crate::step::cargo().args(words))
+    crate::built::executable(crate::step::cargo().arg("build").args(super::BUILD))
 }

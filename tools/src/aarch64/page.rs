@@ -10,22 +10,7 @@ use anyhow::Result;
 use std::fmt::{self, Display, Formatter};
 
 /// What a reader must not take from it.
-const LIMITS: &str = "\
-## What emulation cannot show
-
-- **Time.** No figure here says how fast an ARM core is: no deadline, no time to notice a fault, no budget.
-- **Memory order.** Guest code runs on x86-64, whose stores become visible in order, under an emulator that adds
-  barriers where ARM allows more. A missing `Acquire` or `Release` would not fail here. Only ARM cores show that;
-  `crates/simulate` explores orders of messages, not of loads and stores.
-- **System calls.** They are those of this kernel, translated: fork, exec, memfd, its seals, pidfd, epoll, signals and
-  `/proc/self/exe` pass through the emulator, which gives the file's path where the kernel would run the open program. So a
-  program that is replaced while it runs, and starts workers after that, is not shown.
-- **Pages.** The page size is this machine's, 4 KiB; ARM kernels with 16 or 64 KiB pages are not shown.
-- **Real time.** SCHED_FIFO, isolated cores, caches that share, cache partitions: nothing of it.
-- **Exceptional hardware.** Unaligned or torn accesses, SVE, errors of memory, a big and a little core at a time.
-- **Floating point** is computed in software by the emulator, which follows IEEE 754 as ARM does. That it is what silicon
-  gives rests on the emulator's own tests.
-";
+const LIMITS: &str = include_str!("limits.md");
 
 /// Everything that is on it.
 #[derive(Debug)]
@@ -62,8 +47,9 @@ impl Display for Page<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(
             "# ARM: tests under an emulator, and both architectures compared\n\n\
-             Written by `cargo x aarch64`. *Here* is x86-64 without an emulator, *there* is aarch64 under one, on the \
-             same\nmachine, which does other work too.\n\n| | |\n|---|---|\n",
+             Written by `cargo x aarch64`. *Here* is x86-64 without an emulator, *there* is \
+             aarch64 under one, on the same\nmachine, which does other work too.\n\n\
+             | | |\n|---|---|\n",
         )?;
         for (name, value) in self.machine.iter().chain(&self.there) {
             writeln!(f, "| {name} | {value} |")?;
@@ -75,9 +61,9 @@ impl Display for Page<'_> {
 
         f.write_str(
             "## What both compute\n\n\
-             Hashes are BLAKE3, the first 16 digits: of the `answer` byte for byte, of model files, of records without \
-             build,\nhash and times. Hit sets have the number of pairs or triangles, and the sums that \
-             `trolley intersect --help` defines.\n\n\
+             Hashes are BLAKE3, the first 16 digits: of the `answer` byte for byte, of model \
+             files, of records without build,\nhash and times. Hit sets have the number of pairs \
+             or triangles, and the sums that `trolley intersect --help` defines.\n\n\
              | what | here | there | here, s | there, s | |\n|---|---|---|--:|--:|---|\n",
         )?;
         for row in self.rows {
@@ -90,7 +76,8 @@ impl Display for Page<'_> {
 
         f.write_str(
             "\n## Tests there\n\n\
-             Optimised, as the program ships. Waits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
+             Optimised and without the laboratory, as the program ships; tests that need it are \
+             left out.\nWaits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
              | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
         )?;
         for end in self.ended {

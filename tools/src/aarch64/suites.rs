@@ -77,16 +77,25 @@ pub(crate) struct Built {
     tests: BTreeMap<(String, String), PathBuf>,
 }
 
-/// Builds what a line of cargo says, optimised, for the target; where the program is.
-pub(crate) fn build_program(root: &Root, source: &Path, words: &[&str]) -> Result<PathBuf> {
-    Ok(build(root, source, words)?.trolley)
+/// How the service and its client library are built: optimised, without the laboratory.
+pub(crate) const BUILD: &[&str] = &[
+    "--release",
+    "--locked",
+    "--no-default-features",
+    "--package=trolley-cli",
+    "--package=trolley-client-c",
+];
+
+/// Builds the service and its client library for the target; where the program is.
+pub(crate) fn build_program(root: &Root, source: &Path) -> Result<PathBuf> {
+    Ok(build(root, source, &["cargo", "build"])?.trolley)
 }
 
 /// Builds all test programs, and the program.
 pub(crate) fn build_tests(root: &Root, source: &Path) -> Result<Built> {
     let packages = PURE.iter().map(|name| format!("--package=trolley-{name}"));
     let packages: Vec<String> = packages.collect();
-    let mut words = vec!["cargo", "test", "--no-run", "--package=trolley-cli", "--lib", "--bins"];
+    let mut words = vec!["cargo", "test", "--no-run", "--lib", "--bins"];
     words.extend(packages.iter().map(String::as_str));
     for target in ["oracle", "answers", "files", "processes"] {
         words.extend(["--test", target]);
@@ -94,10 +103,9 @@ pub(crate) fn build_tests(root: &Root, source: &Path) -> Result<Built> {
     build(root, source, &words)
 }
 
-/// Optimised, as it ships: an emulator is slow enough.
 fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
-    let how = ["--release", "--locked", "--target", TARGET];
-    let words = [words, &how, &["--message-format=json-render-diagnostics"]].concat();
+    let how = ["--target", TARGET, "--message-format=json-render-diagnostics"];
+    let words = [words, BUILD, &how].concat();
     let said = crate::built::output(&mut root.inside(source, &words))?;
     let (mut trolley, mut tests) = (None, BTreeMap::new());
     for message in said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {

@@ -8,18 +8,7 @@ use anyhow::Result;
 use std::fmt::{self, Display, Formatter};
 
 /// What a reader must not take from it.
-const LIMITS: &str = "\
-## What was not run
-
-- **systemd.** No init runs in these systems: the script starts the command of the unit, as its user and with its limits,
-  but without its sandbox, watchdog and restarts. `tests/processes/clients.rs` has systemd verify the unit, and
-  `tests/processes/supervise.rs` plays the manager.
-- **The library in a planner.** It is installed and removed here; `tests/processes/clients.rs` compiles and runs the example
-  planner against it.
-- **ARM hardware.** The arm64 package ran under an emulator: what that cannot show is in
-  [aarch64.md](aarch64.md).
-- **Older systems.** A package needs the libc that it names, or a later one: that of the system it was built on.
-";
+const LIMITS: &str = include_str!("limits.md");
 
 /// Everything that is on it.
 #[derive(Debug)]
