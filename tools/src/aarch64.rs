@@ -15,6 +15,7 @@ pub(crate) use root::{REGISTER, Root, TARGET, bootstrap, logged, namespaced};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use suites::Which;
 pub(crate) use suites::{BUILD, build_program};
 
 /// How much to do.
@@ -26,6 +27,9 @@ pub(crate) struct Options {
     /// Do nothing where the root file system was not made yet.
     #[arg(long)]
     if_made: bool,
+    /// Leave out the unit tests of pure crates; the page says so.
+    #[arg(long)]
+    no_units: bool,
     /// Number of pairs of triangles that are compared with exact arithmetic.
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     pairs: u64,
@@ -58,12 +62,21 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         return Ok(if row.is_equal() { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
 
-    let built = suites::build_tests(&root, &source)?;
+    let mut built = suites::build_whole(&root, &source)?;
     tell(&format!("built   after {:.0} s", start.elapsed().as_secs_f64()))?;
-    let there = Program { file: &built.trolley, root: Some(&root), source: &source };
+    let file = built.trolley.clone().context("cargo made no program")?;
+    let there = Program { file: &file, root: Some(&root), source: &source };
     let rows = equal::all(&here, &there, &root.place, |row| tell(&row.to_string()))?;
-    let ended = suites::run(&root, &source, &built, options.pairs, |end| tell(&end.to_string()))?;
-    let page = Page::new(&workspace, &root, &ended, &rows)?;
+    let say = |end: &suites::Ended| tell(&end.to_string());
+    let mut ended = suites::run(&root, &source, &built, Which::Whole(options.pairs), say)?;
+    let mut left_out = Vec::new();
+    if options.no_units {
+        left_out.push("unit tests of the pure crates (--no-units)".to_owned());
+    } else {
+        suites::build_units(&root, &source, &mut built)?;
+        ended.extend(suites::run(&root, &source, &built, Which::Units, say)?);
+    }
+    let page = Page::new(&workspace, &root, &ended, &rows, &left_out)?;
     let out = workspace.root.join(&options.out);
     write(&out, &page.to_string())?;
     tell(&format!("written to {}", out.display()))?;

@@ -19,6 +19,7 @@ pub(crate) struct Page<'a> {
     there: Vec<(&'static str, String)>,
     ended: &'a [Ended],
     rows: &'a [Row],
+    left_out: &'a [String],
 }
 
 impl<'a> Page<'a> {
@@ -28,13 +29,14 @@ impl<'a> Page<'a> {
         root: &Root,
         ended: &'a [Ended],
         rows: &'a [Row],
+        left_out: &'a [String],
     ) -> Result<Self> {
         let emulator = root.says(&["qemu-aarch64", "--version"])?;
         let there = vec![
             ("compiler for aarch64", root.says(&["rustc", "--version"])?),
             ("emulator", emulator.lines().next().unwrap_or_default().to_owned()),
         ];
-        Ok(Self { machine: machine::describe(&workspace.root)?, there, ended, rows })
+        Ok(Self { machine: machine::describe(&workspace.root)?, there, ended, rows, left_out })
     }
 
     /// Whether all tests passed, and everything is equal.
@@ -91,6 +93,9 @@ impl Display for Page<'_> {
         }
         for end in failed {
             writeln!(f, "- {}: {}", end.name, end.failed.join(", "))?;
+        }
+        for what in self.left_out {
+            writeln!(f, "\nLeft out in this run: {what}.")?;
         }
         write!(f, "\n{LIMITS}")
     }

@@ -71,8 +71,8 @@ pub(crate) struct Ended {
 /// What was built for the target.
 #[derive(Debug)]
 pub(crate) struct Built {
-    /// The program.
-    pub(crate) trolley: PathBuf,
+    /// The program, if it was asked for.
+    pub(crate) trolley: Option<PathBuf>,
     /// Test programs by package folder and target.
     tests: BTreeMap<(String, String), PathBuf>,
 }
@@ -88,24 +88,33 @@ pub(crate) const BUILD: &[&str] = &[
 
 /// Builds the service and its client library for the target; where the program is.
 pub(crate) fn build_program(root: &Root, source: &Path) -> Result<PathBuf> {
-    Ok(build(root, source, &["cargo", "build"])?.trolley)
+    let built = build(root, source, &[&["cargo", "build"], BUILD].concat())?;
+    built.trolley.context("cargo made no program")
 }
 
-/// Builds all test programs, and the program.
-pub(crate) fn build_tests(root: &Root, source: &Path) -> Result<Built> {
-    let packages = PURE.iter().map(|name| format!("--package=trolley-{name}"));
-    let packages: Vec<String> = packages.collect();
-    let mut words = vec!["cargo", "test", "--no-run", "--lib", "--bins"];
-    words.extend(packages.iter().map(String::as_str));
+/// Builds the program, the tests of it as a whole, and the exact oracle.
+pub(crate) fn build_whole(root: &Root, source: &Path) -> Result<Built> {
+    let mut words = vec!["cargo", "test", "--no-run", "--package=trolley-geometry"];
     for target in ["oracle", "answers", "files", "processes"] {
         words.extend(["--test", target]);
     }
-    build(root, source, &words)
+    build(root, source, &[&words, BUILD].concat())
+}
+
+/// Builds the unit tests of pure crates, beside what was built.
+pub(crate) fn build_units(root: &Root, source: &Path, built: &mut Built) -> Result<()> {
+    let packages: Vec<String> =
+        PURE.iter().map(|name| format!("--package=trolley-{name}")).collect();
+    let mut words = vec!["cargo", "test", "--no-run", "--lib", "--release", "--locked"];
+    words.extend(packages.iter().map(String::as_str));
+    let units = build(root, source, &words)?;
+    built.tests.extend(units.tests);
+    Ok(())
 }
 
 fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
     let how = ["--target", TARGET, "--message-format=json-render-diagnostics"];
-    let words = [words, BUILD, &how].concat();
+    let words = [words, &how].concat();
     let said = crate::built::output(&mut root.inside(source, &words))?;
     let (mut trolley, mut tests) = (None, BTreeMap::new());
     for message in said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
@@ -119,19 +128,28 @@ fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
             trolley = Some(program);
         }
     }
-    Ok(Built { trolley: trolley.context("cargo made no program")?, tests })
+    Ok(Built { trolley, tests })
 }
 
-/// Runs all suites; tells of each one that ends.
+/// Which suites to run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Which {
+    /// The program as a whole, and the exact oracle on so many pairs.
+    Whole(u64),
+    /// The unit tests of pure crates.
+    Units,
+}
+
+/// Runs suites; tells of each one that ends.
 pub(crate) fn run(
     root: &Root,
     source: &Path,
     built: &Built,
-    pairs: u64,
+    which: Which,
     mut tell: impl FnMut(&Ended) -> Result<()>,
 ) -> Result<Vec<Ended>> {
     let mut ended = Vec::new();
-    for suite in suites(source, built, pairs)? {
+    for suite in suites(source, built, which)? {
         let end = suite.run(root)?;
         tell(&end)?;
         ended.push(end);
@@ -139,7 +157,7 @@ pub(crate) fn run(
     Ok(ended)
 }
 
-fn suites(source: &Path, built: &Built, pairs: u64) -> Result<Vec<Suite>> {
+fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<Suite>> {
     let suite = |folder: &str, target: &str, filter: Option<&'static str>| {
         let key = (folder.to_owned(), target.to_owned());
         let program = built.tests.get(&key).with_context(|| format!("{folder}: no {target}"))?;
@@ -154,15 +172,21 @@ fn suites(source: &Path, built: &Built, pairs: u64) -> Result<Vec<Suite>> {
         })
     };
     let mut suites = Vec::new();
-    for folder in PURE {
-        suites.push(suite(folder, &format!("trolley_{folder}"), None)?);
-    }
-    let mut oracle = suite("geometry", "oracle", None)?;
-    oracle.name = format!("exact oracle, {pairs} pairs of triangles of each kind");
-    oracle.env.extend([format!("ORACLE_PAIRS={pairs}"), "ORACLE_SEED=1".to_owned()]);
-    suites.push(oracle);
-    for (target, filter) in WHOLE {
-        suites.push(suite("cli", target, Some(filter))?);
+    match which {
+        Which::Units => {
+            for folder in PURE {
+                suites.push(suite(folder, &format!("trolley_{folder}"), None)?);
+            }
+        }
+        Which::Whole(pairs) => {
+            let mut oracle = suite("geometry", "oracle", None)?;
+            oracle.name = format!("exact oracle, {pairs} pairs of triangles");
+            oracle.env.extend([format!("ORACLE_PAIRS={pairs}"), "ORACLE_SEED=1".to_owned()]);
+            suites.push(oracle);
+            for (target, filter) in WHOLE {
+                suites.push(suite("cli", target, Some(filter))?);
+            }
+        }
     }
     Ok(suites)
 }

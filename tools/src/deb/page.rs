@@ -1,7 +1,7 @@
 //! The page of the packages: what is in them, what lintian says, what a clean system saw.
 
 use super::clean::field;
-use super::{Packages, Tried};
+use super::{PROGRAM_WANTED, Packages, Tried};
 use crate::built::Workspace;
 use crate::machine;
 use anyhow::Result;
@@ -60,7 +60,13 @@ impl Display for Page<'_> {
                 sizes[0], of.program, sizes[1],
             )?;
         }
-        f.write_str("\nThe program is stripped and without the laboratory.\n\n## lintian\n\n")?;
+        f.write_str("\nThe program is stripped and without the laboratory.")?;
+        let largest = self.packages.iter().map(|(of, ..)| of.program).max().unwrap_or_default();
+        if largest > PROGRAM_WANTED {
+            let (is, wanted) = (largest as f64 / 1e6, PROGRAM_WANTED as f64 / 1e6);
+            write!(f, " **It has {is:.1} MB; {wanted:.0} MB at most were wanted.**")?;
+        }
+        f.write_str("\n\n## lintian\n\n")?;
         for (of, ..) in &self.packages {
             writeln!(f, "{}: no error; all that it says:\n\n```", of.arch)?;
             let said = of.lintian.trim();
@@ -71,6 +77,12 @@ impl Display for Page<'_> {
             writeln!(f, "## {system}: `tools/deb/try` in {seconds:.0} s\n\n```")?;
             writeln!(f, "{}\n```\n", tried.log.trim())?;
         }
-        f.write_str(LIMITS)
+        f.write_str(LIMITS)?;
+        for arch in ["amd64", "arm64"] {
+            if self.packages.iter().all(|(of, ..)| of.arch != arch) {
+                writeln!(f, "- **{arch}**, in this run.")?;
+            }
+        }
+        Ok(())
     }
 }
