@@ -27,9 +27,9 @@ pub(crate) struct Options {
     /// Do nothing where the root file system was not made yet.
     #[arg(long)]
     if_made: bool,
-    /// Leave out the unit tests of pure crates; the page says so.
-    #[arg(long)]
-    no_units: bool,
+    /// Leave out all tests, or the unit tests of pure crates; the page says so.
+    #[arg(long, value_name = "WHAT", value_parser = ["tests", "units"])]
+    without: Option<String>,
     /// Number of pairs of triangles that are compared with exact arithmetic.
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     pairs: u64,
@@ -55,23 +55,31 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let file = equal::build_here()?;
     let here = Program { file: &file, root: None, source: &source };
     if options.quick {
-        let file = build_program(&root, &source)?;
+        let file = build_program(&root, &source)?.program()?;
         let there = Program { file: &file, root: Some(&root), source: &source };
         let row = equal::quick(&here, &there)?;
         tell(&row.to_string())?;
         return Ok(if row.is_equal() { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
 
-    let mut built = suites::build_whole(&root, &source)?;
+    let without = options.without.as_deref();
+    let mut built = match without {
+        Some("tests") => suites::build_program(&root, &source)?,
+        _ => suites::build_whole(&root, &source)?,
+    };
     tell(&format!("built   after {:.0} s", start.elapsed().as_secs_f64()))?;
-    let file = built.trolley.clone().context("cargo made no program")?;
+    let file = built.program()?;
     let there = Program { file: &file, root: Some(&root), source: &source };
     let rows = equal::all(&here, &there, &root.place, |row| tell(&row.to_string()))?;
+    let (mut ended, mut left_out) = (Vec::new(), Vec::new());
     let say = |end: &suites::Ended| tell(&end.to_string());
-    let mut ended = suites::run(&root, &source, &built, Which::Whole(options.pairs), say)?;
-    let mut left_out = Vec::new();
-    if options.no_units {
-        left_out.push("unit tests of the pure crates (--no-units)".to_owned());
+    if without == Some("tests") {
+        left_out.push("tests of the whole program, and the exact oracle (`--without tests`)");
+    } else {
+        ended.extend(suites::run(&root, &source, &built, Which::Whole(options.pairs), say)?);
+    }
+    if without.is_some() {
+        left_out.push("unit tests of the pure crates (`--without units` or `tests`)");
     } else {
         suites::build_units(&root, &source, &mut built)?;
         ended.extend(suites::run(&root, &source, &built, Which::Units, say)?);

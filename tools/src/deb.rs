@@ -157,7 +157,7 @@ impl<'w> Maker<'w> {
     fn arm64(&self, root: &Root) -> Result<Packages> {
         let start = now();
         let source = self.workspace.root.canonicalize()?;
-        let program = build_program(root, &source)?;
+        let program = build_program(root, &source)?.program()?;
         let release = program.parent().context("a file without a folder")?;
         // Pages and completions are the same for both; this machine runs its own program faster.
         output(cargo().arg("build").args(BUILD))?;

@@ -19,7 +19,7 @@ pub(crate) struct Page<'a> {
     there: Vec<(&'static str, String)>,
     ended: &'a [Ended],
     rows: &'a [Row],
-    left_out: &'a [String],
+    left_out: &'a [&'static str],
 }
 
 impl<'a> Page<'a> {
@@ -29,7 +29,7 @@ impl<'a> Page<'a> {
         root: &Root,
         ended: &'a [Ended],
         rows: &'a [Row],
-        left_out: &'a [String],
+        left_out: &'a [&'static str],
     ) -> Result<Self> {
         let emulator = root.says(&["qemu-aarch64", "--version"])?;
         let there = vec![
@@ -37,6 +37,28 @@ impl<'a> Page<'a> {
             ("emulator", emulator.lines().next().unwrap_or_default().to_owned()),
         ];
         Ok(Self { machine: machine::describe(&workspace.root)?, there, ended, rows, left_out })
+    }
+
+    fn tests(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "\n## Tests there\n\n\
+             Optimised and without the laboratory, as the program ships; tests that need it are \
+             left out.\nWaits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
+             | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
+        )?;
+        for end in self.ended {
+            let Tally { passed, failed, ignored, .. } = end.tally;
+            let (name, seconds) = (&end.name, end.seconds);
+            writeln!(f, "| {name} | {passed} | {failed} | {ignored} | {seconds:.1} |")?;
+        }
+        let failed: Vec<_> = self.ended.iter().filter(|end| !end.failed.is_empty()).collect();
+        if !failed.is_empty() {
+            writeln!(f, "\nFailed:\n")?;
+        }
+        for end in failed {
+            writeln!(f, "- {}: {}", end.name, end.failed.join(", "))?;
+        }
+        Ok(())
     }
 
     /// Whether all tests passed, and everything is equal.
@@ -59,7 +81,8 @@ impl Display for Page<'_> {
         let mut all = Tally::default();
         self.ended.iter().for_each(|end| all.add(&end.tally));
         let equal = self.rows.iter().filter(|row| row.is_equal()).count();
-        writeln!(f, "\n**{all}. {equal} of {} comparisons are equal.**\n", self.rows.len())?;
+        let tests = if all.is_empty() { String::new() } else { format!("{all}. ") };
+        writeln!(f, "\n**{tests}{equal} of {} comparisons are equal.**\n", self.rows.len())?;
 
         f.write_str(
             "## What both compute\n\n\
@@ -76,23 +99,8 @@ impl Display for Page<'_> {
             writeln!(f, "| {what} | {here} | {there} | {here_s:.1} | {there_s:.1} | {verdict} |")?;
         }
 
-        f.write_str(
-            "\n## Tests there\n\n\
-             Optimised and without the laboratory, as the program ships; tests that need it are \
-             left out.\nWaits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
-             | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
-        )?;
-        for end in self.ended {
-            let Tally { passed, failed, ignored, .. } = end.tally;
-            let (name, seconds) = (&end.name, end.seconds);
-            writeln!(f, "| {name} | {passed} | {failed} | {ignored} | {seconds:.1} |")?;
-        }
-        let failed: Vec<_> = self.ended.iter().filter(|end| !end.failed.is_empty()).collect();
-        if !failed.is_empty() {
-            writeln!(f, "\nFailed:\n")?;
-        }
-        for end in failed {
-            writeln!(f, "- {}: {}", end.name, end.failed.join(", "))?;
+        if !self.ended.is_empty() {
+            self.tests(f)?;
         }
         for what in self.left_out {
             writeln!(f, "\nLeft out in this run: {what}.")?;

@@ -72,7 +72,7 @@ pub(crate) struct Ended {
 #[derive(Debug)]
 pub(crate) struct Built {
     /// The program, if it was asked for.
-    pub(crate) trolley: Option<PathBuf>,
+    trolley: Option<PathBuf>,
     /// Test programs by package folder and target.
     tests: BTreeMap<(String, String), PathBuf>,
 }
@@ -86,10 +86,16 @@ pub(crate) const BUILD: &[&str] = &[
     "--package=trolley-client-c",
 ];
 
-/// Builds the service and its client library for the target; where the program is.
-pub(crate) fn build_program(root: &Root, source: &Path) -> Result<PathBuf> {
-    let built = build(root, source, &[&["cargo", "build"], BUILD].concat())?;
-    built.trolley.context("cargo made no program")
+/// Builds the service and its client library for the target.
+pub(crate) fn build_program(root: &Root, source: &Path) -> Result<Built> {
+    build(root, source, &[&["cargo", "build"], BUILD].concat())
+}
+
+impl Built {
+    /// Where the program is.
+    pub(crate) fn program(&self) -> Result<PathBuf> {
+        self.trolley.clone().context("cargo made no program")
+    }
 }
 
 /// Builds the program, the tests of it as a whole, and the exact oracle.
