@@ -185,7 +185,7 @@ pub(crate) fn all(
     let what = format!("model files, {shape} and {}, {triangles} triangles each", BODIES[1].0);
     add(both(&what, here, there, |program| program.models(&folder(program, "models"))))?;
     for question in ["pairs", "sets"] {
-        for [ours, theirs] in [["auto", "auto"], ["auto", "fallback"]] {
+        for [ours, theirs] in [["auto", "neon"], ["sse2", "neon"]] {
             let what = format!("hit {question}, vectors here {ours}, there {theirs}");
             add(both(&what, here, there, |program| {
                 let simd = if program.root.is_some() { theirs } else { ours };
