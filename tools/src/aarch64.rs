@@ -71,24 +71,41 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let file = built.program()?;
     let there = Program { file: &file, root: Some(&root), source: &source };
     let rows = equal::all(&here, &there, &root.place, |row| tell(&row.to_string()))?;
-    let (mut ended, mut left_out) = (Vec::new(), Vec::new());
-    let say = |end: &suites::Ended| tell(&end.to_string());
-    if without == Some("tests") {
-        left_out.push("tests of the whole program, and the exact oracle (`--without tests`)");
-    } else {
-        ended.extend(suites::run(&root, &source, &built, Which::Whole(options.pairs), say)?);
-    }
-    if without.is_some() {
-        left_out.push("unit tests of the pure crates (`--without units` or `tests`)");
-    } else {
-        suites::build_units(&root, &source, &mut built)?;
-        ended.extend(suites::run(&root, &source, &built, Which::Units, say)?);
-    }
-    let page = Page::new(&workspace, &root, &ended, &rows, &left_out)?;
     let out = workspace.root.join(&options.out);
-    write(&out, &page.to_string())?;
+    let mut ended: Vec<suites::Ended> = Vec::new();
+    // After each suite: a run that is broken off leaves the page of what was done.
+    let publish = |ended: &[suites::Ended], left_out: &[String]| {
+        let page = Page::new(&workspace, &root, ended, &rows, left_out)?;
+        write(&out, &page.to_string())?;
+        Ok::<_, anyhow::Error>(page.is_well())
+    };
+    let units = "unit tests of the pure crates".to_owned();
+    let whole = "tests of the whole program, and the exact oracle".to_owned();
+    let mut is_well = publish(&[], &[whole, units.clone()])?;
+    let parts: &[Which] = match without {
+        Some("tests") => &[],
+        Some(_) => &[Which::Whole(options.pairs)],
+        None => &[Which::Whole(options.pairs), Which::Units],
+    };
+    for part in parts {
+        let later = match part {
+            Which::Whole(_) => Some(units.clone()),
+            Which::Units => {
+                suites::build_units(&root, &source, &mut built)?;
+                None
+            }
+        };
+        let mut left = suites::suites(&source, &built, *part)?.into_iter();
+        while let Some(suite) = left.next() {
+            let end = suite.run(&root)?;
+            tell(&end.to_string())?;
+            ended.push(end);
+            let names = left.as_slice().iter().map(|suite| suite.name.clone());
+            is_well = publish(&ended, &names.chain(later.clone()).collect::<Vec<_>>())?;
+        }
+    }
     tell(&format!("written to {}", out.display()))?;
-    Ok(if page.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if is_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// A line of progress.

@@ -19,7 +19,7 @@ pub(crate) struct Page<'a> {
     there: Vec<(&'static str, String)>,
     ended: &'a [Ended],
     rows: &'a [Row],
-    left_out: &'a [&'static str],
+    left_out: &'a [String],
 }
 
 impl<'a> Page<'a> {
@@ -29,7 +29,7 @@ impl<'a> Page<'a> {
         root: &Root,
         ended: &'a [Ended],
         rows: &'a [Row],
-        left_out: &'a [&'static str],
+        left_out: &'a [String],
     ) -> Result<Self> {
         let emulator = root.says(&["qemu-aarch64", "--version"])?;
         let there = vec![
@@ -102,8 +102,8 @@ impl Display for Page<'_> {
         if !self.ended.is_empty() {
             self.tests(f)?;
         }
-        for what in self.left_out {
-            writeln!(f, "\nLeft out in this run: {what}.")?;
+        if !self.left_out.is_empty() {
+            writeln!(f, "\n**Not run, or not in this run: {}.**", self.left_out.join("; "))?;
         }
         write!(f, "\n{LIMITS}")
     }

@@ -46,8 +46,9 @@ const PATIENCE: u32 = 20;
 
 /// One test program with a filter.
 #[derive(Debug)]
-struct Suite {
-    name: String,
+pub(crate) struct Suite {
+    /// What it is called on the page.
+    pub(crate) name: String,
     program: PathBuf,
     /// Where cargo would start it.
     folder: PathBuf,
@@ -146,24 +147,8 @@ pub(crate) enum Which {
     Units,
 }
 
-/// Runs suites; tells of each one that ends.
-pub(crate) fn run(
-    root: &Root,
-    source: &Path,
-    built: &Built,
-    which: Which,
-    mut tell: impl FnMut(&Ended) -> Result<()>,
-) -> Result<Vec<Ended>> {
-    let mut ended = Vec::new();
-    for suite in suites(source, built, which)? {
-        let end = suite.run(root)?;
-        tell(&end)?;
-        ended.push(end);
-    }
-    Ok(ended)
-}
-
-fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<Suite>> {
+/// The suites, in their order, from what was built.
+pub(crate) fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<Suite>> {
     let suite = |folder: &str, target: &str, filter: Option<&'static str>| {
         let key = (folder.to_owned(), target.to_owned());
         let program = built.tests.get(&key).with_context(|| format!("{folder}: no {target}"))?;
@@ -199,7 +184,7 @@ fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<Suite>> {
 
 impl Suite {
     /// Runs it, unless the same bytes were run with the same words before: then that run counts.
-    fn run(&self, root: &Root) -> Result<Ended> {
+    pub(crate) fn run(&self, root: &Root) -> Result<Ended> {
         let log = root.place.join("suites").join(format!("{}.log", self.key()?));
         if let Ok(said) = fs::read_to_string(&log)
             && let Some((seconds, said)) = said.split_once(" s\n")
