@@ -33,12 +33,11 @@ pub(crate) const TARGET: &str = "aarch64-unknown-linux-gnu";
 pub(crate) const REGISTER: &str = r#"
 binfmt=$root/proc/sys/fs/binfmt_misc
 mount -t binfmt_misc binfmt_misc "$binfmt"
-entry=$binfmt/trolley-aarch64
-if [ -e "$entry" ]; then echo -1 > "$entry"; fi
+name=trolley-aarch64-$(cat /proc/sys/kernel/random/uuid)
 magic='\x7fELF\x02\x01\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x02\x00\xb7\x00'
 mask='\xff\xff\xff\xff\xff\xff\xff\x00\xff\xff\xff\xff\xff\xff\xff\xff\xfe\xff\xff\xff'
-printf ':trolley-aarch64:M:0:%s:%s:%s:OCF' "$magic" "$mask" "$emulator" > "$binfmt/register"
-trap 'echo -1 > "$entry"' EXIT
+printf ':%s:M:0:%s:%s:%s:OCF' "$name" "$magic" "$mask" "$emulator" > "$binfmt/register"
+trap 'echo -1 > "$binfmt/$name"' EXIT
 "#;
 
 /// Mounts what a system needs, and runs a command in it. Words: root, source, place, cargo's home,
