@@ -1,8 +1,6 @@
 //! Gives the library its name for the loader: without one, a program would look for it at the path
 //! where it was linked.
 
-#![expect(clippy::print_stdout, reason = "it is how cargo is told")]
-
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libtrolley_client.so");
