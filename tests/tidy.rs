@@ -19,6 +19,8 @@ mod guards;
 mod names;
 #[path = "tidy/pure.rs"]
 mod pure;
+#[path = "tidy/safety.rs"]
+mod safety;
 #[path = "tidy/tree.rs"]
 mod tree;
 
@@ -332,6 +334,11 @@ fn every_file_says_what_it_is() {
     let silent = |file: &&Text| !file.text.starts_with("//! ");
     let fault = |file: &Text| file.fault(0, "begins without //! and what it is");
     none(&all_sources().iter().filter(silent).map(fault).collect::<Vec<_>>());
+}
+
+#[test]
+fn tables_of_safety_name_tests_faults_and_probes_that_exist() {
+    none(&safety::faults());
 }
 
 #[test]

@@ -89,6 +89,7 @@ fn the_winner_is_certified_before_all_work_is_done() {
     assert_eq!(names(&ordered), names(&whole));
 }
 
+// verifies REQ-BOUNDS
 #[test]
 fn an_answer_that_is_due_comes_with_bounds_and_says_what_is_missing() {
     let place = Place::new();
@@ -140,6 +141,7 @@ fn an_early_answer_is_replayed_from_its_record_bit_for_bit() {
     }
 }
 
+// verifies REQ-BOUNDS
 #[test]
 fn a_request_without_workers_is_answered_by_its_deadline() {
     let place = Place::new();

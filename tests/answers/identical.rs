@@ -15,6 +15,7 @@ fn ranked(path: &str, args: &[&str]) -> std::process::Output {
     output
 }
 
+// verifies REQ-SAME-ANSWER
 #[test]
 fn the_answer_does_not_depend_on_how_the_work_was_done() {
     let place = Place::new();
@@ -128,6 +129,7 @@ fn the_librarys_answer_does_not_depend_on_how_jobs_were_handed_out() {
     }
 }
 
+// verifies REQ-SAME-ANSWER
 #[test]
 fn an_engine_that_is_kept_answers_as_a_new_one_does() {
     let place = Place::new();

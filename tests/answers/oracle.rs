@@ -21,6 +21,7 @@ fn of(a: &Mesh, b: &Mesh, pose: &RelativePose) -> Found {
     brute_force((&a.corners, &a.source_ids), (&b.corners, &b.source_ids), pose)
 }
 
+// verifies REQ-EXACT
 #[test]
 fn hit_sets_equal_those_of_brute_force() {
     let text = ways(800);

@@ -46,6 +46,7 @@ const BAD: &[(&str, (&str, &str), &str)] = &[
     ("policies/default.toml", ("[[level]]", "[[level]]\ncondition = 1"), "never weighed by"),
 ];
 
+// verifies REQ-INPUT
 #[test]
 fn each_fault_is_named_with_its_place_and_remedy() {
     let place = Place::new();
@@ -208,6 +209,7 @@ fn at_zero(otherwise: &str) -> String {
     text.replacen("accept = 0.1", &format!("accept = 0.0\n{otherwise}"), 1)
 }
 
+// verifies REQ-POLICY
 #[test]
 fn what_no_way_keeps_is_refused_and_all_ways_are_listed() {
     let refuse = at_zero("otherwise = \"refuse\"");
@@ -231,6 +233,7 @@ fn what_no_way_keeps_is_refused_and_all_ways_are_listed() {
     assert!(out.contains("What would let a candidate win"), "{out}");
 }
 
+// verifies REQ-POLICY
 #[test]
 fn what_no_way_keeps_falls_back_on_the_one_named_or_is_refused() {
     let on = |name: &str| at_zero(&format!("otherwise = \"fall-back\"\nfall_back = \"{name}\""));

@@ -36,6 +36,7 @@ fn recorded(place: &Place, sets: &[&[&str]]) -> PathBuf {
     records
 }
 
+// verifies REQ-RECORD
 #[test]
 fn a_record_is_replayed_bit_for_bit_in_another_place() {
     let place = Place::new();
@@ -107,6 +108,7 @@ fn a_record_shows_what_was_asked_and_decided() {
     assert!(words.lines().all(|line| line.chars().count() <= 140), "{words}");
 }
 
+// verifies REQ-RECORD
 #[test]
 fn each_of_1000_changed_bytes_is_found_and_the_file_named() {
     let place = Place::new();
@@ -132,6 +134,7 @@ fn each_of_1000_changed_bytes_is_found_and_the_file_named() {
     assert!(command(&["record", "verify", path(&records)]).status.success());
 }
 
+// verifies REQ-VERSIONS
 #[test]
 fn what_is_cut_foreign_of_another_version_or_removed_is_told_apart() {
     let place = Place::new();

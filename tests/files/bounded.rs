@@ -165,6 +165,7 @@ fn every_command_names_the_file_whose_contents_are_odd() {
     assert!(faults.is_empty(), "{}", faults.join("\n\n"));
 }
 
+// verifies REQ-INPUT
 #[test]
 fn every_command_refuses_at_once_what_is_no_regular_file_or_too_long() {
     let place = with_files();

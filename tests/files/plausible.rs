@@ -9,6 +9,7 @@ fn light_lorry() -> String {
     ways(600).replace("[parties.truck]", "[parties.truck]\nmass_kg = 25")
 }
 
+// verifies REQ-PLAUSIBLE
 #[test]
 fn a_lorry_of_25_kg_is_named_beside_the_winner_and_refused_when_strict() {
     let place = Place::new();

@@ -27,6 +27,7 @@ fn options(instance: &str, workers: usize) -> Options {
     }
 }
 
+// verifies REQ-WORKER-STUCK
 #[cfg(feature = "lab")]
 #[test]
 fn a_worker_stopped_before_exec_is_replaced_and_one_that_stops_again_is_given_up() {

@@ -36,6 +36,7 @@ fn frozen_and_told(extra: &[&str], tell: impl Fn(&Serving)) -> (Option<i32>, Dur
     (status.expect("it ends").code(), lasted)
 }
 
+// verifies REQ-END
 #[test]
 fn a_service_that_hangs_ends_within_two_seconds_of_a_signal_and_leaves_nothing() {
     if !may_trace() {

@@ -21,6 +21,7 @@ fn inject(args: &[&str]) -> std::process::Output {
     support::trolley().arg("inject").args(args).output().unwrap()
 }
 
+// verifies REQ-MESSAGES
 #[test]
 fn faults_of_all_sorts_are_survived_and_leave_nothing() {
     let place = Place::new();
@@ -43,6 +44,7 @@ fn faults_of_all_sorts_are_survived_and_leave_nothing() {
 
 /// Regression: a flipped bit in a count of messages kept the coordinator from ever sleeping, or a
 /// worker from ever sending.
+// verifies REQ-MESSAGES
 #[test]
 fn flipped_bits_of_the_status_page_are_survived() {
     let place = Place::new();
@@ -113,6 +115,7 @@ fn run_without_instance(args: &[&str]) -> std::process::Output {
     support::trolley().args(args).output().unwrap()
 }
 
+// verifies REQ-RESOURCES
 #[test]
 fn too_few_descriptors_are_found_before_anything_is_made() {
     let place = Place::new();
@@ -150,6 +153,7 @@ fn assert_survived(document: &serde_json::Value) {
     }
 }
 
+// verifies REQ-REMAINS
 #[test]
 fn successors_and_coordinators_are_killed_at_any_call_of_their_start() {
     let place = Place::new();
@@ -166,6 +170,7 @@ fn successors_and_coordinators_are_killed_at_any_call_of_their_start() {
     }
 }
 
+// verifies REQ-MANAGEMENT-DATA
 #[test]
 fn flipped_bits_in_what_iceoryx2_manages_mislead_and_hold_up_nobody() {
     let place = Place::new();
@@ -178,6 +183,7 @@ fn flipped_bits_in_what_iceoryx2_manages_mislead_and_hold_up_nobody() {
 }
 
 /// Regression: with a full file system a killed worker was never replaced.
+// verifies REQ-RESOURCES
 #[test]
 fn a_full_file_system_costs_neither_answers_nor_workers() {
     let place = Place::new();
@@ -189,6 +195,7 @@ fn a_full_file_system_costs_neither_answers_nor_workers() {
     }
 }
 
+// verifies REQ-STRANGERS
 #[test]
 fn what_strangers_plant_around_a_service_holds_up_nobody_and_is_touched_by_nobody() {
     let place = Place::new();

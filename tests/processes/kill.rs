@@ -75,6 +75,7 @@ fn reference(path: &str) -> String {
     answer(&run(&["rank", path, "--json", "--in-process"]))
 }
 
+// verifies REQ-WORKER-LOST
 #[test]
 fn a_killed_worker_changes_nothing_in_the_answer() {
     let place = Place::new();
@@ -114,6 +115,7 @@ fn a_killed_worker_that_copied_changes_nothing_in_the_answer() {
     panic!("no run took long enough to be disturbed");
 }
 
+// verifies REQ-WORKER-LOST
 #[test]
 fn three_of_four_may_die() {
     let place = Place::new();
@@ -122,6 +124,7 @@ fn three_of_four_may_die() {
     assert_eq!(answer(&output), reference(&path));
 }
 
+// verifies REQ-WORKER-STUCK
 #[test]
 fn a_stopped_worker_is_found_and_replaced_by_the_others() {
     let place = Place::new();
@@ -131,6 +134,7 @@ fn a_stopped_worker_is_found_and_replaced_by_the_others() {
     assert_eq!(answer(&output), reference(&path));
 }
 
+// verifies REQ-NO-WORKER
 #[test]
 fn without_any_worker_left_there_is_a_clear_error() {
     let place = Place::new();
@@ -149,6 +153,7 @@ fn an_interrupted_run_says_so_and_leaves_nothing() {
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
 }
 
+// verifies REQ-REMAINS
 #[test]
 fn workers_die_with_their_coordinator_and_the_next_run_sweeps() {
     let place = Place::new();

@@ -2,10 +2,10 @@
 //! that replay.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::serve::{PATIENCE, WALL, connect, into_a_wall};
+use crate::serve::{WALL, connect, into_a_wall};
 use crate::support::service::{deployment, serve, shipped};
 use crate::support::service::{expected_harm, with_members};
-use crate::support::{Place, run, text, wait_for};
+use crate::support::{Place, patience, run, text, wait_for};
 use client::public::{
     Ask, PartyErrors, WireAnswer, WireParty, WirePath, WirePathKind, WirePathState, WirePlace,
     WireState, flag,
@@ -98,7 +98,7 @@ fn what_is_late_is_the_stage_before_and_says_so() {
     let place = Place::new();
     let serving = serve(&deployment(&place, 1, WALL), &["--in-process"]);
     let mut client = connect(&serving.instance);
-    let complete = client.ask(&close_call(4, 64), PATIENCE);
+    let complete = client.ask(&close_call(4, 64), patience());
     let took = Duration::from_nanos(complete.worked_ns);
     assert_eq!((complete.verdict(), complete.members), (WireState::Complete, 16));
     let (mean, error) = complete.lead().unwrap();
@@ -115,7 +115,7 @@ fn what_is_late_is_the_stage_before_and_says_so() {
     assert!([4, 8].contains(&open) && late.members_max == 64);
     assert_eq!((late.worlds, late.flags & flag::WORLDS), (0, 0));
     assert!(late.ranking().iter().all(|place| place.expected.worlds.is_nan()));
-    let stage = client.ask(&close_call(open, open), PATIENCE);
+    let stage = client.ask(&close_call(open, open), patience());
     assert_eq!((stage.verdict(), stage.lead()), (WireState::Complete, late.lead()));
     assert_eq!(figures(&late), figures(&stage));
     // A deadline within the first stage: nothing that is not known is a number.
@@ -129,7 +129,7 @@ fn what_is_late_is_the_stage_before_and_says_so() {
     let partial = partial.expect("a deadline within a stage");
     let count = partial.members;
     assert!([1, 4, 8].contains(&count), "{count}");
-    let part = client.ask(&close_call(count, count), PATIENCE);
+    let part = client.ask(&close_call(count, count), patience());
     assert_eq!((partial.is_late(), part.verdict()), (count > 1, WireState::Complete));
     let is_known = partial.ranking().iter().all(|place| place.work[0] == place.work[1]);
     if is_known || count > 1 {
@@ -150,7 +150,7 @@ fn a_decision_over_members_replays_in_every_bit() {
     let serving = serve(&file, &[]);
     let mut client = connect(&serving.instance);
     let asked = [close_call(4, 16), close_call(1, 1), into_a_wall(), close_call(3, 3)];
-    let answers = asked.each_ref().map(|ask| client.ask(ask, PATIENCE));
+    let answers = asked.each_ref().map(|ask| client.ask(ask, patience()));
     drop(client);
     serving.end();
     let entries = service::read_decisions(&place.path().join("kept/decisions-00000000.bin"));

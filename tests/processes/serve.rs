@@ -5,13 +5,12 @@
 use crate::members::known_by;
 use crate::support::service::heard_signals;
 use crate::support::service::{deployment, left_behind, of_ways, ranked, ranking, serve, shipped};
-use crate::support::{self, Place, children, run, signal, text, trolley, wait_for, ways};
+use crate::support::ways;
+use crate::support::{self, Place, children, patience, run, signal, text, trolley, wait_for};
 use client::public::{Ask, Reason, WireParty, WirePath, WirePathKind, WirePathState, WireState};
 use client::{Client, Waiting};
 use rustix::process::Signal;
 use std::time::Duration;
-
-pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 pub(crate) fn connect(instance: &str) -> Client {
     Client::connect(None, instance, Waiting::Nap(Duration::from_micros(100))).unwrap()
@@ -46,6 +45,7 @@ fn who_is_told_to_end_again_and_again_cleans_up_all_the_same() {
     assert_eq!(left_behind(&serving.instance), Vec::<String>::new());
 }
 
+// verifies REQ-END
 #[test]
 fn every_signal_that_ends_a_program_by_default_ends_it_cleanly() {
     for number in heard_signals() {
@@ -58,6 +58,7 @@ fn every_signal_that_ends_a_program_by_default_ends_it_cleanly() {
     }
 }
 
+// verifies REQ-SAME-ANSWER
 #[test]
 fn the_service_ranks_as_rank_does_in_every_bit_with_workers_and_without() {
     let place = Place::new();
@@ -105,7 +106,7 @@ fn a_second_instance_is_refused_and_the_first_goes_on() {
     assert_eq!(second.status.code(), Some(75));
     let said = text(&second.stderr);
     assert!(said.contains("already served by process") && said.contains("help:"), "{said}");
-    let answer = connect(&serving.instance).ask(&into_a_wall(), PATIENCE);
+    let answer = connect(&serving.instance).ask(&into_a_wall(), patience());
     assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     serving.end();
 }
@@ -122,7 +123,7 @@ fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     }
     // Requests of impatient clients may still be in the queue.
     let answer = wait_for(20_000, || {
-        let answer = client.ask(&into_a_wall(), PATIENCE);
+        let answer = client.ask(&into_a_wall(), patience());
         (answer.verdict() != WireState::Busy).then_some(answer)
     });
     let answer = answer.expect("a slot is free again");
@@ -131,6 +132,7 @@ fn what_hasty_requests_leave_behind_keeps_no_worker_from_the_next() {
     serving.end();
 }
 
+// verifies REQ-INPUT
 #[test]
 fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
     let place = Place::new();
@@ -154,11 +156,11 @@ fn what_is_wrong_is_refused_with_a_reason_and_the_next_is_answered() {
     for (make, reason) in mistakes {
         let mut ask = into_a_wall();
         make(&mut ask);
-        let answer = client.ask(&ask, PATIENCE);
+        let answer = client.ask(&ask, patience());
         assert_eq!(answer.verdict(), WireState::Refused, "{reason:?}");
         assert_eq!(answer.reason(), *reason, "{}", answer.text());
         assert!(!answer.text().is_empty());
-        let answer = client.ask(&into_a_wall(), PATIENCE);
+        let answer = client.ask(&into_a_wall(), patience());
         assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
     }
     drop(client);
@@ -201,7 +203,7 @@ fn no_two_clients_number_their_requests_alike() {
     let place = Place::new();
     let serving = serve(&deployment(&place, 1, WALL), &[]);
     let mut clients = [connect(&serving.instance), connect(&serving.instance)];
-    let mut ask = |client: usize| clients[client].ask(&into_a_wall(), PATIENCE).sequence;
+    let mut ask = |client: usize| clients[client].ask(&into_a_wall(), patience()).sequence;
     let (first, second) = (ask(0), ask(1));
     assert_eq!((ask(0), ask(1)), (first.wrapping_add(1), second.wrapping_add(1)));
     assert!(first.abs_diff(second) > 1 << 20, "{first} {second}");
@@ -209,6 +211,7 @@ fn no_two_clients_number_their_requests_alike() {
     serving.end();
 }
 
+// verifies REQ-OVERLOAD
 #[test]
 fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
     let place = Place::new();
@@ -223,7 +226,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
             let mut client = connect(instance);
             let (mut verdicts, mut served) = (Vec::new(), 0);
             while served < 20 {
-                verdicts.push(client.ask(&into_a_wall(), PATIENCE).verdict());
+                verdicts.push(client.ask(&into_a_wall(), patience()).verdict());
                 served += usize::from(verdicts.last() != Some(&WireState::Busy));
             }
             verdicts
@@ -238,6 +241,7 @@ fn a_flood_is_answered_busy_and_nobody_waits_unheard() {
     serving.end();
 }
 
+// verifies REQ-OVERLOAD
 #[test]
 fn the_seventeenth_client_is_told_to_try_again_and_then_gets_its_answer() {
     let place = Place::new();
@@ -256,6 +260,7 @@ fn the_seventeenth_client_is_told_to_try_again_and_then_gets_its_answer() {
     serving.end();
 }
 
+// verifies REQ-WORKER-LOST
 #[test]
 fn killed_workers_are_replaced_and_no_answer_is_wrong() {
     let place = Place::new();
@@ -278,13 +283,14 @@ fn killed_workers_are_replaced_and_no_answer_is_wrong() {
     serving.end();
 }
 
+// verifies REQ-SERVICE-LOST
 #[test]
 fn a_killed_service_is_a_refusal_and_its_successor_is_found_by_the_same_client() {
     let place = Place::new();
     let file = deployment(&place, 1, WALL);
     let mut serving = serve(&file, &[]);
     let mut client = connect(&serving.instance);
-    assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), WireState::Complete);
+    assert_eq!(client.ask(&into_a_wall(), patience()).verdict(), WireState::Complete);
     serving.child.kill().unwrap();
     serving.child.wait().unwrap();
     let answer = client.ask(&into_a_wall(), Duration::from_millis(200));
@@ -306,6 +312,7 @@ fn a_killed_service_is_a_refusal_and_its_successor_is_found_by_the_same_client()
     assert_eq!(left_behind(&instance), Vec::<String>::new());
 }
 
+// verifies REQ-LATE
 #[test]
 fn an_answer_that_would_come_too_late_is_refused_by_the_client_in_time() {
     let place = Place::new();
@@ -320,7 +327,7 @@ fn an_answer_that_would_come_too_late_is_refused_by_the_client_in_time() {
     assert!(ended.tv_sec - begun.tv_sec < 15);
     signal(serving.child.id(), Signal::CONT);
     let answered = wait_for(20_000, || {
-        let answer = client.ask(&into_a_wall(), PATIENCE);
+        let answer = client.ask(&into_a_wall(), patience());
         (answer.verdict() == WireState::Complete).then_some(())
     });
     assert!(answered.is_some());
@@ -384,7 +391,7 @@ fn metrics_and_decisions_are_written_and_bounded() {
     let mut client = connect(&serving.instance);
     let mut last = 0;
     for _ in 0..11 {
-        let answer = client.ask(&into_a_wall(), PATIENCE);
+        let answer = client.ask(&into_a_wall(), patience());
         assert_eq!(answer.verdict(), WireState::Complete);
         last = answer.sequence;
     }
@@ -418,7 +425,7 @@ fn a_request_takes_as_much_from_the_heap_as_those_before() {
         let mut ask = into_a_wall();
         ask.set_members(if round % 2 == 0 { 2 } else { 1 }, 0);
         for _ in 0..REQUESTS {
-            let answer = client.ask(&ask, PATIENCE);
+            let answer = client.ask(&ask, patience());
             assert_eq!(answer.verdict(), WireState::Complete, "{}", answer.text());
         }
         // The first page may cover a second that still had requests.
@@ -441,28 +448,29 @@ fn a_request_takes_as_much_from_the_heap_as_those_before() {
 }
 
 /// What an answer says of its bodies can be asked for, and is the same for every build of them.
+// verifies REQ-BODIES
 #[test]
 fn a_client_may_insist_on_the_bodies_that_it_knows() {
     let place = Place::new();
     let serving = serve(&deployment(&place, 1, WALL), &["--in-process"]);
     let mut client = connect(&serving.instance);
-    let first = client.ask(&into_a_wall(), PATIENCE);
+    let first = client.ask(&into_a_wall(), patience());
     assert!(first.model_set != [0; 32]);
     let mut insists = into_a_wall();
     insists.model_set = first.model_set;
-    assert_eq!(client.ask(&insists, PATIENCE).verdict(), WireState::Complete);
+    assert_eq!(client.ask(&insists, patience()).verdict(), WireState::Complete);
     drop(client);
     serving.end();
     let text = std::fs::read_to_string(place.path().join("deployment.toml")).unwrap();
     let file =
         place.write("deployment.toml", &text.replace("[engine]", "[engine]\nbuild = \"sah\""));
     let rebuilt = serve(&file, &["--in-process"]);
-    let answer = connect(&rebuilt.instance).ask(&insists, PATIENCE);
+    let answer = connect(&rebuilt.instance).ask(&insists, patience());
     assert_eq!((answer.verdict(), answer.places), (WireState::Complete, first.places));
     rebuilt.end();
     let file = deployment(&place, 1, &[("sedan", 2000, 0), ("wall", 602, 0)]);
     let other = serve(&file, &["--in-process"]);
-    let answer = connect(&other.instance).ask(&insists, PATIENCE);
+    let answer = connect(&other.instance).ask(&insists, patience());
     assert_eq!(answer.reason(), Reason::OtherModels, "{}", answer.text());
     other.end();
 }

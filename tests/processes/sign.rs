@@ -1,9 +1,9 @@
 //! The decisions that a real service signs.
 
-use crate::serve::{PATIENCE, WALL, connect, into_a_wall};
+use crate::serve::{WALL, connect, into_a_wall};
 use crate::support::keys::Keys;
 use crate::support::service::{Serving, deployment, serve, serve_as};
-use crate::support::{self, Place, json, text, trolley};
+use crate::support::{self, Place, json, patience, text, trolley};
 use client::public::WireState;
 use std::path::Path;
 
@@ -31,7 +31,7 @@ fn decisions_are_signed_with_time_host_and_deployment_and_survive_a_kill() {
     let ask = |serving: &Serving, count: u64| {
         let mut client = connect(&serving.instance);
         for _ in 0..count {
-            assert_eq!(client.ask(&into_a_wall(), PATIENCE).verdict(), WireState::Complete);
+            assert_eq!(client.ask(&into_a_wall(), patience()).verdict(), WireState::Complete);
         }
     };
     let serving = serve(&file, &["--sign", key]);

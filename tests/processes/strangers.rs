@@ -127,6 +127,7 @@ fn what_strangers_plant_under_the_folder_of_all_is_refused_with_its_name() {
     }
 }
 
+// verifies REQ-STRANGERS
 #[test]
 fn what_strangers_plant_under_the_name_of_a_service_is_refused_by_it_and_by_its_clients() {
     if !is_possible() {

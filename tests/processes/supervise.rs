@@ -41,6 +41,7 @@ fn answer(serving: &Serving, scenario: &std::path::Path) -> Option<Output> {
     })
 }
 
+// verifies REQ-SERVICE-LOST
 #[test]
 fn a_killed_service_is_replaced_and_answers_again() {
     let place = Place::new();
@@ -58,6 +59,7 @@ fn a_killed_service_is_replaced_and_answers_again() {
     assert!(said.contains("ended by SIGKILL") && said.contains("started again"), "{said}");
 }
 
+// verifies REQ-SERVICE-LOST
 #[cfg(feature = "lab")]
 #[test]
 fn a_service_whose_answering_thread_stands_still_is_replaced_and_answers_again() {
@@ -95,6 +97,7 @@ fn a_stopped_service_is_replaced() {
     serving.end();
 }
 
+// verifies REQ-END
 #[test]
 fn one_signal_ends_supervisor_and_service_within_two_seconds_and_leaves_nothing() {
     let place = Place::new();

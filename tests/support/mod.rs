@@ -22,6 +22,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 use trolley::{Engine, EngineBuilder, Limits, Scenario};
 
 /// A folder that is removed with the test.
@@ -219,9 +220,21 @@ pub(crate) fn cpu_ticks(pid: u32) -> Option<u64> {
     Some(next()? + next()?)
 }
 
-/// Polls every 1 ms until `ready` returns a value; `None` after this many milliseconds.
+/// How many times as long everything may take: `TROLLEY_TEST_PATIENCE`, for an emulator, or 1.
+#[expect(clippy::disallowed_methods, reason = "a test binary has no command line of its own")]
+fn slowness() -> u32 {
+    std::env::var("TROLLEY_TEST_PATIENCE").map_or(1, |text| text.parse().unwrap())
+}
+
+/// How long an answer may take that comes in milliseconds.
+pub(crate) fn patience() -> Duration {
+    Duration::from_secs(20) * slowness()
+}
+
+/// Polls every 1 ms until `ready` returns a value; `None` after this many milliseconds, times
+/// [`slowness`].
 pub(crate) fn wait_for<T>(milliseconds: u32, mut ready: impl FnMut() -> Option<T>) -> Option<T> {
-    for _ in 0..milliseconds {
+    for _ in 0..milliseconds * slowness() {
         if let Some(value) = ready() {
             return Some(value);
         }

@@ -1,6 +1,6 @@
 //! A running service for one test, and checks of what it leaves behind.
 
-use super::{Place, instance, left_in_shm, signal, text, trolley, wait_for};
+use super::{Place, instance, left_in_shm, patience, signal, text, trolley, wait_for};
 use rustix::process::Signal;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -63,10 +63,11 @@ impl Serving {
     /// `trolley query` of a scenario file.
     pub(crate) fn query(&self, scenario: &Path, extra: &[&str]) -> Output {
         let files = [&self.deployment, scenario].map(|path| path.to_str().unwrap().to_owned());
+        let deadline_ms = patience().as_millis().to_string();
         trolley()
             .arg("query")
             .args(files)
-            .args(["--instance", &self.instance, "--deadline-ms", "20000"])
+            .args(["--instance", &self.instance, "--deadline-ms", &deadline_ms])
             .args(extra)
             .output()
             .unwrap()

@@ -2,16 +2,19 @@
 //!
 //! Each task starts cargo or what cargo has built. Nothing that ships depends on this program.
 
+mod aarch64;
 mod bench;
 mod built;
 mod check;
 mod compare;
 mod count;
+mod deb;
 mod faults;
 mod gallery;
 mod inputs;
 mod machine;
 mod oracle;
+mod safety;
 mod scenarios;
 mod step;
 mod unpacked;
@@ -102,6 +105,20 @@ enum Task {
     ///
     /// Fails if the program fell, or took more time or memory than it may.
     Inputs(inputs::Options),
+    /// Build for ARM, test under an emulator, and compare with this machine.
+    ///
+    /// Makes a Debian root file system once, with a compiler and an emulator, in target/aarch64 or
+    /// $TROLLEY_AARCH64_ROOT, as root. What is done already is not done again. The page is
+    /// tools/results/aarch64.md.
+    Aarch64(aarch64::Options),
+    /// Make Debian packages for amd64 and arm64, and try them in clean systems.
+    ///
+    /// As root, with lintian and debootstrap. Each is installed, started, asked, upgraded and
+    /// removed in a system that has nothing yet; arm64 under an emulator. The page is
+    /// tools/results/deb.md.
+    Deb(deb::Options),
+    /// Write requirements, assumptions and failure modes as needs.json, for sphinx-needs.
+    Needs(safety::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
     /// Build the Python package, and try it in an empty environment without cargo.
@@ -130,6 +147,9 @@ fn main() -> Result<ExitCode> {
         Task::Fuzz(options) => faults::fuzz(&options),
         Task::Scenarios(options) => scenarios::run(&options),
         Task::Inputs(options) => inputs::run(&options),
+        Task::Aarch64(options) => aarch64::run(&options),
+        Task::Deb(options) => deb::run(&options),
+        Task::Needs(options) => safety::run(&options),
         Task::Gallery(options) => gallery::run(&options),
         Task::Wheel(options) => wheel::run(&options),
     }

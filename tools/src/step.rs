@@ -122,17 +122,21 @@ fn skipped(line: &str) -> Option<&str> {
 
 /// Sums over the closing lines of test runners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Tally {
-    runners: u64,
-    passed: u64,
-    failed: u64,
-    ignored: u64,
+pub(crate) struct Tally {
+    /// Closing lines.
+    pub(crate) runners: u64,
+    /// Tests that passed.
+    pub(crate) passed: u64,
+    /// Tests that failed.
+    pub(crate) failed: u64,
+    /// Tests that were left out.
+    pub(crate) ignored: u64,
 }
 
 impl Tally {
     /// What a line says, if it is a closing line:
     /// `test result: ok. 3 passed; 0 failed; 1 ignored; ...`.
-    fn of(line: &str) -> Option<Self> {
+    pub(crate) fn of(line: &str) -> Option<Self> {
         let (_verdict, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
         let count = |what: &str| {
             let mut counts = counts.split(';').filter_map(|part| part.trim().split_once(' '));
@@ -142,11 +146,17 @@ impl Tally {
         Some(Self { runners: 1, passed, failed, ignored: count("ignored")? })
     }
 
-    fn add(&mut self, other: &Self) {
+    /// Adds another sum.
+    pub(crate) fn add(&mut self, other: &Self) {
         self.runners += other.runners;
         self.passed += other.passed;
         self.failed += other.failed;
         self.ignored += other.ignored;
+    }
+
+    /// Whether there was no closing line.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.runners == 0
     }
 }
 

@@ -116,6 +116,10 @@ fn columns<S: Simd>(simd: S, rows: &[&[f32]; 8], at: usize) -> [f32x8<S>; 4] {
 ///
 /// This is a single instruction where a vector of eight is one register, but only there.
 #[inline(always)]
+#[cfg_attr(
+    not(target_arch = "x86_64"),
+    expect(unused_variables, reason = "of one instruction there")
+)]
 fn zip<S: Simd>(simd: S, p: f32x8<S>, q: f32x8<S>) -> [f32x8<S>; 2] {
     #[cfg(target_arch = "x86_64")]
     {

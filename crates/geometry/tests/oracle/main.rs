@@ -87,6 +87,7 @@ fn names() -> Vec<&'static str> {
     FAMILIES.iter().map(|family| family.name).collect()
 }
 
+// verifies REQ-EXACT
 #[test]
 fn the_test_equals_exact_arithmetic() {
     let seed = setting("ORACLE_SEED", 1);
@@ -102,6 +103,7 @@ fn the_test_equals_exact_arithmetic() {
 
 /// The pairs of a group are tested alone, and among the others: then sizes of all kinds are in one
 /// patch.
+// verifies REQ-EXACT
 #[test]
 fn patches_equal_exact_arithmetic_at_every_level() {
     let seed = setting("ORACLE_SEED", 1);

@@ -13,6 +13,7 @@ use trolley_geometry::rng::Rng;
 use trolley_geometry::sweep::{FirstTouch, TOLERANCE_M, TRAVEL_MAX, first_contact};
 use trolley_geometry::{DVec3, Sweep, Triangle};
 
+// verifies REQ-FIRST-CONTACT
 #[test]
 fn first_contact_equals_exact_arithmetic() {
     let seed = setting("ORACLE_SEED", 1);

@@ -1,0 +1,249 @@
+//! What is tested there: built once, run one after the other, and not again while nothing changed.
+
+use super::root::{Root, TARGET};
+use crate::step::{Tally, now};
+use anyhow::{Context as _, Result, bail};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Crates without I/O, clock and processes, whose unit tests run, from the bottom up.
+const PURE: &[&str] = &[
+    "diagnostic",
+    "geometry",
+    "protocol",
+    "xml",
+    "keys",
+    "body",
+    "shapes",
+    "bvh",
+    "damage",
+    "scenario",
+    "record",
+    "dispatch",
+    "executor",
+    "traffic",
+    "mesh",
+    "simulate",
+];
+
+/// Tests of the whole program: target, and the module of it that runs.
+const WHOLE: &[(&str, &str)] = &[
+    ("answers", "identical::"),
+    ("answers", "oracle::"),
+    ("answers", "record::"),
+    ("files", "intersect::"),
+    ("processes", "kill::"),
+    ("processes", "serve::"),
+];
+
+/// No suite takes longer than this (s): an emulator that hangs would take for ever.
+const LONGEST_S: u32 = 3_600;
+
+/// The times that tests wait for others, times this.
+const PATIENCE: u32 = 20;
+
+/// One test program with a filter.
+#[derive(Debug)]
+pub(crate) struct Suite {
+    /// What it is called on the page.
+    pub(crate) name: String,
+    program: PathBuf,
+    /// Where cargo would start it.
+    folder: PathBuf,
+    filter: Option<&'static str>,
+    env: Vec<String>,
+}
+
+/// How a suite ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Ended {
+    /// What it is called on the page.
+    pub(crate) name: String,
+    /// What it counted.
+    pub(crate) tally: Tally,
+    /// How long it took on the wall (s).
+    pub(crate) seconds: f64,
+    /// Names of tests that failed, and `ended early` if there is no closing line.
+    pub(crate) failed: Vec<String>,
+}
+
+/// What was built for the target.
+#[derive(Debug)]
+pub(crate) struct Built {
+    /// The program, if it was asked for.
+    trolley: Option<PathBuf>,
+    /// Test programs by package folder and target.
+    tests: BTreeMap<(String, String), PathBuf>,
+}
+
+/// How the service and its client library are built: optimised, without the laboratory.
+pub(crate) const BUILD: &[&str] = &[
+    "--release",
+    "--locked",
+    "--no-default-features",
+    "--package=trolley-cli",
+    "--package=trolley-client-c",
+];
+
+/// Builds the service and its client library for the target.
+pub(crate) fn build_program(root: &Root, source: &Path) -> Result<Built> {
+    build(root, source, &[&["cargo", "build"], BUILD].concat())
+}
+
+impl Built {
+    /// Where the program is.
+    pub(crate) fn program(&self) -> Result<PathBuf> {
+        self.trolley.clone().context("cargo made no program")
+    }
+}
+
+/// Builds the program, the tests of it as a whole, and the exact oracle.
+pub(crate) fn build_whole(root: &Root, source: &Path) -> Result<Built> {
+    let mut words = vec!["cargo", "test", "--no-run", "--package=trolley-geometry"];
+    for target in ["oracle", "answers", "files", "processes"] {
+        words.extend(["--test", target]);
+    }
+    build(root, source, &[&words, BUILD].concat())
+}
+
+/// Builds the unit tests of pure crates, beside what was built.
+pub(crate) fn build_units(root: &Root, source: &Path, built: &mut Built) -> Result<()> {
+    let packages: Vec<String> =
+        PURE.iter().map(|name| format!("--package=trolley-{name}")).collect();
+    let mut words = vec!["cargo", "test", "--no-run", "--lib", "--release", "--locked"];
+    words.extend(packages.iter().map(String::as_str));
+    let units = build(root, source, &words)?;
+    built.tests.extend(units.tests);
+    Ok(())
+}
+
+fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
+    let how = ["--target", TARGET, "--message-format=json-render-diagnostics"];
+    let words = [words, &how].concat();
+    let said = crate::built::output(&mut root.inside(source, &words))?;
+    let (mut trolley, mut tests) = (None, BTreeMap::new());
+    for message in said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
+        let Some(program) = message["executable"].as_str().map(PathBuf::from) else { continue };
+        let target = message["target"]["name"].as_str().unwrap_or_default().to_owned();
+        let manifest = Path::new(message["manifest_path"].as_str().unwrap_or_default());
+        let folder = manifest.parent().and_then(Path::file_name).unwrap_or_default();
+        if message["profile"]["test"] == true {
+            tests.insert((folder.to_string_lossy().into_owned(), target), program);
+        } else if target == "trolley" {
+            trolley = Some(program);
+        }
+    }
+    Ok(Built { trolley, tests })
+}
+
+/// Which suites to run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Which {
+    /// The program as a whole, and the exact oracle on so many pairs.
+    Whole(u64),
+    /// The unit tests of pure crates.
+    Units,
+}
+
+/// The suites, in their order, from what was built.
+pub(crate) fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<Suite>> {
+    let suite = |folder: &str, target: &str, filter: Option<&'static str>| {
+        let key = (folder.to_owned(), target.to_owned());
+        let program = built.tests.get(&key).with_context(|| format!("{folder}: no {target}"))?;
+        Ok::<_, anyhow::Error>(Suite {
+            name: filter.map_or(format!("{folder}, unit tests"), |filter| {
+                format!("{target}, {}", filter.trim_end_matches("::"))
+            }),
+            program: program.clone(),
+            folder: source.join("crates").join(folder),
+            filter,
+            env: vec![format!("TROLLEY_TEST_PATIENCE={PATIENCE}")],
+        })
+    };
+    let mut suites = Vec::new();
+    match which {
+        Which::Units => {
+            for folder in PURE {
+                suites.push(suite(folder, &format!("trolley_{folder}"), None)?);
+            }
+        }
+        Which::Whole(pairs) => {
+            let mut oracle = suite("geometry", "oracle", None)?;
+            oracle.name = format!("exact oracle, {pairs} pairs of triangles");
+            oracle.env.extend([format!("ORACLE_PAIRS={pairs}"), "ORACLE_SEED=1".to_owned()]);
+            suites.push(oracle);
+            for (target, filter) in WHOLE {
+                suites.push(suite("cli", target, Some(filter))?);
+            }
+        }
+    }
+    Ok(suites)
+}
+
+impl Suite {
+    /// Runs it, unless the same bytes were run with the same words before: then that run counts.
+    pub(crate) fn run(&self, root: &Root) -> Result<Ended> {
+        let log = root.place.join("suites").join(format!("{}.log", self.key()?));
+        if let Ok(said) = fs::read_to_string(&log)
+            && let Some((seconds, said)) = said.split_once(" s\n")
+        {
+            return Ok(self.ended(seconds.parse()?, said));
+        }
+        let limit = LONGEST_S.to_string();
+        let mut words: Vec<&str> = self.env.iter().map(String::as_str).collect();
+        words.extend(["timeout", "--kill-after=10", &limit]);
+        words.push(self.program.to_str().context("a path that is no UTF-8")?);
+        words.extend(self.filter);
+        let start = now();
+        let output = root.inside(&self.folder, &words).output().context("cannot start unshare")?;
+        let seconds = start.elapsed().as_secs_f64();
+        let said = String::from_utf8_lossy(&output.stdout);
+        let more = String::from_utf8_lossy(&output.stderr);
+        let ended = self.ended(seconds, &said);
+        let folder = log.parent().context("a file without a folder")?;
+        fs::create_dir_all(folder)?;
+        if ended.failed.is_empty() && output.status.success() {
+            fs::write(&log, format!("{seconds:.1} s\n{said}{more}"))?;
+        } else {
+            fs::write(log.with_extension("failed"), format!("{}\n{said}{more}", self.name))?;
+        }
+        if ended.tally.is_empty() && output.status.success() {
+            bail!("{}: ran no test\n{more}", self.name);
+        }
+        Ok(ended)
+    }
+
+    /// What decides how it ends: the programs, and what they are told.
+    fn key(&self) -> Result<String> {
+        let mut hash = blake3::Hasher::new();
+        hash.update(&fs::read(&self.program)?);
+        // Tests of the whole program start it.
+        if let Some(folder) = self.program.parent().and_then(Path::parent)
+            && self.filter.is_some()
+        {
+            hash.update(&fs::read(folder.join("trolley"))?);
+        }
+        hash.update(self.filter.unwrap_or_default().as_bytes());
+        for pair in &self.env {
+            hash.update(pair.as_bytes());
+        }
+        Ok(hash.finalize().to_hex()[..16].to_owned())
+    }
+
+    fn ended(&self, seconds: f64, said: &str) -> Ended {
+        let mut tally = Tally::default();
+        said.lines().filter_map(Tally::of).for_each(|closing| tally.add(&closing));
+        // `test NAME ... FAILED`; output of another test may stand between.
+        let name = |line: &str| {
+            let (name, _) = line.strip_prefix("test ")?.split_once(" ... ")?;
+            line.ends_with("FAILED").then(|| name.to_owned())
+        };
+        let mut failed: Vec<String> = said.lines().filter_map(name).collect();
+        if tally.is_empty() {
+            failed.push("ended early".into());
+        }
+        Ended { name: self.name.clone(), tally, seconds, failed }
+    }
+}
