@@ -454,7 +454,7 @@ def ranking(folder):
     print("## Rankings\n")
     print("CPU time per scene: `rank_many` over ten speeds of a scene of 24,000 triangles, in a "
           "session that has its bodies; the same in a new session for each scene; and a process "
-          "for each, `trolley rank --json --in-process`. Medians of three. All three give equal "
+          "for each, `rank --json --in-process`. Medians of three. All three give equal "
           "answers.\n")
     row("candidates", "members", "`rank_many`", "new session", "process", "process ÷ `rank_many`")
     row("--:", "--:", "--:", "--:", "--:", "--:")

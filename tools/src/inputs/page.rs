@@ -20,9 +20,8 @@ pub(super) fn text(
          Written by `cargo x inputs FOLDER... --out tools/results/inputs.md`, commit {commit}: the \
          program as built for release,\nonce for each file of the collections below, which are \
          checkouts of public repositories (each folder is called\nOWNER+NAME). Models are made of \
-         meshes (`trolley model import`), scenarios of recordings and traces\n(`trolley scenario \
-         import`). Scripts of OpenSCENARIO and files of other forms are to be refused, with the \
-         way to go.\nNothing is sorted out: many of these collections hold files that are damaged \
+         meshes (`model import`), scenarios of recordings and traces\n(`scenario import`). \
+         Scripts of OpenSCENARIO and files of other forms are to be refused, with the way to go.\nNothing is sorted out: many of these collections hold files that are damaged \
          on purpose. Where the folder is\n`written-by-osi-python`, `tools/traces/convert.py` wrote \
          the traces, with a library of OSI that is not ours, of\nrecordings of the other \
          collections.\n\n\
