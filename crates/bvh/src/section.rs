@@ -44,13 +44,13 @@ pub fn zones(body: &BodyView<'_>) -> Vec<Zones> {
     let mut all = vec![Zones(0); body.nodes.len()];
     // Children are stored after their parent.
     for (at, node) in body.nodes.iter().enumerate().rev() {
-        let of = |child: usize| all.get(child).map_or(0, |zones| zones.0);
+        let below = |child: usize| all.get(child).map_or(0, |zones| zones.0);
         let bits = if node.is_leaf() {
             let first = node.link as usize;
             let own = body.zones.get(first..first + node.count as usize).unwrap_or_default();
             own.iter().fold(0, |bits, zones| bits | zones.0)
         } else {
-            of(at + 1) | of(node.link as usize)
+            below(at + 1) | below(node.link as usize)
         };
         all[at] = Zones(bits);
     }

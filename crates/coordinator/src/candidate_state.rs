@@ -92,7 +92,7 @@ impl CandidateState {
     }
 
     /// Whether nothing that is left to do can show anything that is wanted.
-    pub(crate) fn is_moot(&self) -> bool {
+    pub(crate) fn is_obsolete(&self) -> bool {
         matches!(self.wanted, Wanted::Zones(wanted) if wanted.map(|zones| zones.0) == self.found)
     }
 
@@ -123,7 +123,7 @@ impl CandidateState {
         // Contact may be so slight, or so brief, that no pose of the survey meets it.
         let seen = Seen { patch: supports, zones_a, zones_b };
         evidence.add_hits(witness.travel_m, &seen);
-        if self.is_moot() {
+        if self.is_obsolete() {
             let [zones_a, zones_b] = self.found.map(Zones);
             evidence.add_hits(witness.travel_m, &Seen { zones_a, zones_b, ..Seen::NOTHING });
             return evidence;

@@ -253,7 +253,7 @@ impl<'w> SurveyRun<'w> {
 
     /// Hands out jobs of a task, as many as the strategy allows at once.
     fn hand_out(&mut self, number: u32, jobs: &mut Vec<Job>) {
-        if self.candidate_states[self.tasks[number as usize].candidate].is_moot() {
+        if self.candidate_states[self.tasks[number as usize].candidate].is_obsolete() {
             // Whatever is left of it is not needed.
             self.tasks[number as usize].todo.clear();
             self.waiting.retain(|waiting| *waiting != number);
@@ -381,7 +381,7 @@ impl dispatch::JobSource for SurveyRun<'_> {
 
     fn is_obsolete(&self, job: &Job) -> bool {
         let task = self.tasks.get(job.task.0 as usize);
-        task.is_some_and(|task| self.candidate_states[task.candidate].is_moot())
+        task.is_some_and(|task| self.candidate_states[task.candidate].is_obsolete())
     }
 
     fn fold(&mut self, job: &Job, part: PartOf<'_>) {

@@ -88,7 +88,7 @@ impl Display for Page<'_> {
             "## What both compute\n\n\
              Hashes are BLAKE3, the first 16 digits: of the `answer` byte for byte, of model \
              files, of records without build,\nhash and times. Hit sets have the number of pairs \
-             or triangles, and the sums that `trolley intersect --help` defines.\n\n\
+             or triangles, and the sums that the help of `intersect` defines.\n\n\
              | what | here | there | here, s | there, s | |\n|---|---|---|--:|--:|---|\n",
         )?;
         for row in self.rows {

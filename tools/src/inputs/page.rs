@@ -21,7 +21,8 @@ pub(super) fn text(
          program as built for release,\nonce for each file of the collections below, which are \
          checkouts of public repositories (each folder is called\nOWNER+NAME). Models are made of \
          meshes (`model import`), scenarios of recordings and traces\n(`scenario import`). \
-         Scripts of OpenSCENARIO and files of other forms are to be refused, with the way to go.\nNothing is sorted out: many of these collections hold files that are damaged \
+         Scripts of OpenSCENARIO and files of other forms are to be refused, with the way to go.\n\
+         Nothing is sorted out: many of these collections hold files that are damaged \
          on purpose. Where the folder is\n`written-by-osi-python`, `tools/traces/convert.py` wrote \
          the traces, with a library of OSI that is not ours, of\nrecordings of the other \
          collections.\n\n\
