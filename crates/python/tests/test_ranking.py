@@ -216,3 +216,35 @@ def test_every_name_has_a_signature_and_documentation():
         for name in dir(owner):
             assert name.startswith("_") or f"def {name}(" in text, f"{owner.__name__}.{name}"
             assert name.startswith("_") or getattr(owner, name).__doc__, f"{owner.__name__}.{name}"
+
+
+def test_commonroad_in_memory_is_that_of_its_file(config, tmp_path):
+    reader = pytest.importorskip("commonroad.common.file_reader")
+    text = (config / "examples/crossing.xml").read_text()
+    # commonroad-io reads no file without these.
+    place = "<geoNameId>-999</geoNameId><gpsLatitude>999</gpsLatitude>"
+    place += "<gpsLongitude>999</gpsLongitude>"
+    at = text.index("<staticObstacle")
+    head = f"<location>{place}</location><scenarioTags><urban/></scenarioTags>"
+    tagged = tmp_path / "tagged.xml"
+    tagged.write_text(text[:at] + head + text[at:])
+    scenario, problems = reader.CommonRoadFileReader(str(tagged)).open()
+    made = ta.from_commonroad(scenario, problems)
+    stated = ta.Scenario.open(tagged)
+    assert made.candidates == stated.candidates and made.parties == stated.parties
+    session = ta.Session()
+    ranked = [session.rank(one, members=1).answer["ranking"] for one in (made, stated)]
+    assert ranked[0] == ranked[1]
+
+
+def test_a_ranking_is_drawn_in_its_order(config):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    ranking = ta.Session().rank(config / "scenarios/small.toml", members=1)
+    axes = ta.plot(ranking)
+    names = [label.get_text() for label in axes.get_yticklabels()]
+    assert names == [row["name"] for row in ranking.answer["ranking"]]
+    ends = [patch.get_x() + patch.get_width() for patch in axes.patches]
+    highs = [100 * row["range"][1] for row in ranking.answer["ranking"]]
+    assert ends == pytest.approx(highs)
+    assert ta.plot(ranking, axes) is axes

@@ -40,12 +40,14 @@ from ._core import (
     self_pairs,
     touches,
 )
+from ._commonroad import from_commonroad
 from ._errors import InputError, TrolleyError
+from ._plot import plot
 
 __all__ = [
     "BUILD", "Body", "FirstContact", "Hits", "InputError", "Ranking", "Rankings", "Scenario",
-    "Scene", "Segments", "Session", "TrolleyError", "check_policies", "first_contact", "hits",
-    "pairs", "policy_names", "segments", "self_pairs", "touches",
+    "Scene", "Segments", "Session", "TrolleyError", "check_policies", "first_contact",
+    "from_commonroad", "hits", "pairs", "plot", "policy_names", "segments", "self_pairs", "touches",
 ]
 
 
