@@ -27,7 +27,7 @@ pub(crate) struct Options {
     /// Only this architecture; the page says so.
     #[arg(long, value_name = "ARCH", value_parser = ["amd64", "arm64"])]
     only: Option<String>,
-    /// Who answers for the packages, as "NAME <ADDRESS>" [default: git's user].
+    /// Who answers for the packages, as `NAME <ADDRESS>` [default: git's user].
     #[arg(long, value_name = "NAME")]
     maintainer: Option<String>,
     /// Build packages and check them, but install nothing.
