@@ -258,9 +258,6 @@ fn stays_light<'o>(
     outlines: &impl Fn(u32) -> &'o Outlines,
 ) -> Result<bool, RequestError> {
     let Criteria { curves, policy, parameters } = criteria;
-    if contact.is_stuck {
-        return Ok(false);
-    }
     if !contact.may_be_heavy(parameters) {
         return Ok(true);
     }
