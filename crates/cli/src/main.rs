@@ -40,6 +40,7 @@ use trolley::Failure;
 static HEAP: trolley::CountingAllocator = trolley::CountingAllocator;
 
 fn main() -> ExitCode {
+    trolley::explain_aborts();
     let done = match Args::try_parse() {
         Ok(args) => {
             start_logging(&args);
@@ -105,8 +106,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
 fn start_logging(args: &Args) {
     let level = match (args.quiet, args.verbose) {
         (true, _) => tracing::Level::ERROR,
-        // Thousands of injected faults: only the report lists them.
-        #[cfg(feature = "lab")]
+        #[cfg(feature = "lab")] // Thousands of injected faults: only the report lists them.
         (false, 0) if matches!(args.command, Command::Inject(_)) => tracing::Level::ERROR,
         (false, 0) => tracing::Level::WARN,
         (false, 1) => tracing::Level::INFO,

@@ -71,6 +71,41 @@ fn out_of_memory(bytes: usize) -> ! {
     unsafe { libc::_exit(i32::from(FailureKind::Resources.exit_code())) }
 }
 
+/// What the C library asks the system for if its heap has no room: M_TOP_PAD of malloc(3), and the
+/// request.
+const LEAST_GROWTH: usize = (128 << 10) + 4096;
+
+/// Lets an abort end the process as allocations that fail do if there is no memory. The C library
+/// itself takes some, as when a thread first uses a value that has a destructor, and aborts if it
+/// gets none. Every other abort stays what it is.
+///
+/// ```
+/// trolley_runtime::heap::explain_aborts();
+/// ```
+pub fn explain_aborts() {
+    // SAFETY: all zeros is an action: no flags, no signal blocked meanwhile.
+    let mut action: libc::sigaction = unsafe { core::mem::zeroed() };
+    let handler: extern "C" fn(libc::c_int) = on_abort;
+    action.sa_sigaction = handler as libc::sighandler_t;
+    // SAFETY: the handler calls mmap, munmap, write and _exit alone, which change nothing that the
+    // interrupted code may be at, and returns otherwise; the old action is not asked for.
+    let set = unsafe { libc::sigaction(libc::SIGABRT, &raw const action, core::ptr::null_mut()) };
+    debug_assert_eq!(set, 0, "SIGABRT is a signal that can be caught");
+}
+
+/// Returns if there is memory: abort(3) then goes on, as without a handler.
+extern "C" fn on_abort(_: libc::c_int) {
+    let kind = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
+    let rights = libc::PROT_READ | libc::PROT_WRITE;
+    // SAFETY: a new mapping, wherever there is room, that nobody else knows of.
+    let place = unsafe { libc::mmap(core::ptr::null_mut(), LEAST_GROWTH, rights, kind, -1, 0) };
+    if place == libc::MAP_FAILED {
+        out_of_memory(LEAST_GROWTH);
+    }
+    // SAFETY: the mapping made above, which nothing points into.
+    let _gone = unsafe { libc::munmap(place, LEAST_GROWTH) };
+}
+
 /// How often the calling thread has asked for memory: new or larger. It stays at 0 if [`Counting`]
 /// is not the program's allocator.
 #[must_use]

@@ -367,6 +367,7 @@ pub use run::Run;
 /// assert_eq!(Box::new(1), 1.into());
 /// ```
 pub use runtime::heap::Counting as CountingAllocator;
+pub use runtime::heap::explain_aborts;
 pub use scenario::Scenario;
 pub use serve::{Greeting, ServeOptions, serve, supervise};
 
