@@ -58,19 +58,21 @@ pub fn still(
     [width, height]: [usize; 2],
 ) -> Result<Vec<u8>, StillError> {
     let wrong = |error: png::EncodingError| StillError(error.to_string());
-    let pixels = draw(shot, bodies, camera, [width * FINE, height * FINE]);
-    let mut fine = Vec::with_capacity(width * height);
+    let (colours, depths) = draw(shot, bodies, camera, [width * FINE, height * FINE]);
+    let mut pixels = Vec::with_capacity(width * height);
+    let mut is_body = Vec::with_capacity(width * height);
     for y in 0..height {
         for x in 0..width {
             let mut sum = [0.0; 3];
             for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let sample = pixels[(y * FINE + j) * width * FINE + x * FINE + i];
+                let sample = colours[(y * FINE + j) * width * FINE + x * FINE + i];
                 (0..3).for_each(|c| sum[c] += sample[c] / 4.0);
             }
-            fine.push(sum);
+            pixels.push(sum);
+            is_body.push(depths[y * FINE * width * FINE + x * FINE].is_finite());
         }
     }
-    let mut canvas = Canvas::new([width, height], fine);
+    let mut canvas = Canvas::new([width, height], pixels, is_body);
     let view = View::of(shot, bodies, camera, [width, height]);
     annotate(&mut canvas, shot, bodies, &view);
     let data = canvas.bytes();
@@ -152,7 +154,13 @@ impl View {
     }
 }
 
-fn draw(shot: &Shot, bodies: &[ShotBody], camera: Camera, size: [usize; 2]) -> Vec<[f64; 3]> {
+/// The colour of every sample, and how far away the body is that it shows; infinite: none.
+fn draw(
+    shot: &Shot,
+    bodies: &[ShotBody],
+    camera: Camera,
+    size: [usize; 2],
+) -> (Vec<[f64; 3]>, Vec<f64>) {
     let [width, height] = size;
     let view = View::of(shot, bodies, camera, size);
     let mut colours = vec![SKY; width * height];
@@ -199,7 +207,7 @@ fn draw(shot: &Shot, bodies: &[ShotBody], camera: Camera, size: [usize; 2]) -> V
             }
         }
     }
-    colours
+    (colours, depths)
 }
 
 /// A line each metre on the ground, fading out around what is shown. The ground is where the lower

@@ -15,12 +15,15 @@ const UNKNOWN: char = '?';
 pub(super) struct Canvas {
     size: [usize; 2],
     pixels: Vec<[f64; 3]>,
+    /// Whether a pixel shows what is looked at: labels lie beside it where they can.
+    is_shown: Vec<bool>,
     taken: Vec<[f64; 4]>,
 }
 
 impl Canvas {
-    pub(super) fn new(size: [usize; 2], pixels: Vec<[f64; 3]>) -> Self {
-        Self { size, pixels, taken: Vec::new() }
+    pub(super) fn new(size: [usize; 2], pixels: Vec<[f64; 3]>, is_shown: Vec<bool>) -> Self {
+        debug_assert_eq!(pixels.len(), is_shown.len());
+        Self { size, pixels, is_shown, taken: Vec::new() }
     }
 
     /// Three bytes a pixel.
@@ -69,12 +72,30 @@ impl Canvas {
                 // Full within the width, and one pixel of transition.
                 self.mix(at, HALO, (3.5 - off).clamp(0.0, 1.0) * 0.8);
                 self.mix(at, colour, (2.0 - off).clamp(0.0, 1.0));
+                if off < 6.0 {
+                    self.show(at);
+                }
             }
         }
     }
 
-    /// A text beside a point, `by` pixels away, where no other label is; its rectangle, which lies
-    /// in the picture. `None`: there is no room.
+    /// Keeps labels beside a pixel where they can be.
+    fn show(&mut self, [x, y]: [i64; 2]) {
+        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
+        if x < self.size[0] && y < self.size[1] {
+            self.is_shown[y * self.size[0] + x] = true;
+        }
+    }
+
+    /// How many pixels of a rectangle in the picture show what is looked at.
+    fn shown(&self, room: &[f64; 4]) -> usize {
+        let [left, top, right, bottom] = room.map(|edge| edge as usize);
+        let rows = self.is_shown.chunks(self.size[0].max(1)).take(bottom).skip(top);
+        rows.map(|row| row[left..right].iter().filter(|is_shown| **is_shown).count()).sum()
+    }
+
+    /// A text beside a point, `by` pixels away, where no other label is, and as little as can be of
+    /// what is looked at; its rectangle, which lies in the picture. `None`: there is no room.
     pub(super) fn label(
         &mut self,
         [x, y]: [f64; 2],
@@ -85,7 +106,7 @@ impl Canvas {
         let letters: Vec<char> = cut(text);
         let width = (letters.len() * get_raster_width(FontWeight::Regular, LETTERS)) as f64;
         let height = LETTERS.val() as f64;
-        let tries = (0..6).flat_map(|ring| {
+        let tries = (0..10).flat_map(|ring| {
             let by = by + 0.8 * height * f64::from(ring);
             [
                 [x - 0.5 * width, y - by - height],
@@ -107,7 +128,8 @@ impl Canvas {
             };
             room[2] <= size[0] && room[3] <= size[1] && self.taken.iter().all(apart)
         };
-        let room = tries.map(inside).find(is_free)?;
+        // The first of those that are equally good is the nearest.
+        let room = tries.map(inside).filter(is_free).min_by_key(|room| self.shown(room))?;
         self.taken.push(room);
         let lead = [room[0].max(x.min(room[2])), if y < room[1] { room[1] } else { room[3] }];
         let is_beside = y >= room[1] && y <= room[3];
@@ -159,12 +181,35 @@ mod tests {
     use super::*;
     use geometry::rng::Rng;
 
+    /// 300 by 200 pixels, of which some show what is looked at.
+    fn canvas(is_shown: impl Fn([usize; 2]) -> bool) -> Canvas {
+        let shown = (0..300 * 200).map(|at| is_shown([at % 300, at / 300])).collect();
+        Canvas::new([300, 200], vec![[250.0; 3]; 300 * 200], shown)
+    }
+
+    #[test]
+    fn a_label_lies_beside_what_is_looked_at() {
+        // Bodies fill the left half but for its lowest part.
+        let mut canvas = canvas(|[x, y]| x < 150 && y < 150);
+        for text in ["ego", "2 m; grid 1 m"] {
+            let [left, top, ..] = canvas.label([70.0, 90.0], 10.0, text, [0.0; 3]).expect("room");
+            assert!(left >= 150.0 || top >= 150.0, "{text}: {left}, {top}");
+        }
+        canvas.circle([225.0, 100.0], 40.0, [0.0; 3]);
+        let room = canvas.label([225.0, 75.0], 10.0, "suv", [0.0; 3]).expect("room");
+        let crosses = |[x, y]: [f64; 2]| (f64::hypot(x - 225.0, y - 100.0) - 40.0).abs() < 2.0;
+        let steps =
+            |from: f64, to: f64| (0..=40).map(move |k| from + (to - from) * f64::from(k) / 40.0);
+        let mut points =
+            steps(room[0], room[2]).flat_map(|x| steps(room[1], room[3]).map(move |y| [x, y]));
+        assert!(!points.any(crosses), "{room:?}");
+    }
+
     #[test]
     fn labels_lie_inside_and_apart() {
         let mut rng = Rng::new(5);
         for _ in 0..50 {
-            let size = [300, 200];
-            let mut canvas = Canvas::new(size, vec![[250.0; 3]; 300 * 200]);
+            let mut canvas = canvas(|_| false);
             let mut kept: Vec<[f64; 4]> = Vec::new();
             for text in ["suv", "a very long name of somebody who is met", "\u{4e09}\u{202e}", ""] {
                 let at = [rng.between(-50.0, 350.0), rng.between(-50.0, 250.0)];

@@ -5,7 +5,7 @@ use crate::glb::tests::shot;
 
 fn colours(camera: Camera) -> Vec<[f64; 3]> {
     let (shot, bodies) = shot();
-    draw(&shot, &bodies, camera, [160, 120])
+    draw(&shot, &bodies, camera, [160, 120]).0
 }
 
 /// Whether a pixel has one of the four colours, by its hue; what is hit, by its red.
