@@ -257,7 +257,7 @@ pub(crate) fn least(name: &str, tied: usize) -> String {
 /// Whom the model cannot tell from the first.
 pub(crate) fn tied(others: &[&str]) -> Option<String> {
     let others = (!others.is_empty()).then(|| others.join(", "))?;
-    Some(format!("Within the range of the model it is indistinguishable from: {others}."))
+    Some(format!("Ranges of the model overlap with its own: {others}."))
 }
 
 #[cfg(test)]

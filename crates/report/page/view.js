@@ -239,7 +239,10 @@
     marks = marks.map(mark);
     if (ring) [ring.mark] = marks;
     if (shot.patch) stage.add(...frame(shot.patch));
-    const from = new THREE.Vector3(0.7, 1, 0.65).normalize().multiplyScalar(reach * 2.4);
+    // From farther where the picture is narrow.
+    const wide = place.clientWidth / place.clientHeight || 1;
+    const from = new THREE.Vector3(0.7, 1, 0.65).normalize()
+      .multiplyScalar(reach * 2.4 * Math.max(1, 1.4 / wide));
     camera.position.copy(middle).add(from);
     controls.target.copy(middle);
     controls.update();

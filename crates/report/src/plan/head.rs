@@ -48,7 +48,7 @@ pub(super) fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
         AnswerState::Degraded => format!("First, as far as is known: {first_name}"),
         _ if is_least_harm(answer) => format!("Least harm: {first_name}"),
         _ if tied > 0 => {
-            format!("First of {} that the model cannot tell apart: {first_name}", tied + 1)
+            format!("First of {} whose ranges overlap: {first_name}", tied + 1)
         }
         _ if is_close(answer) => format!("First, but too close to call: {first_name}"),
         _ => {
@@ -109,8 +109,11 @@ pub(super) fn head(
     let ties: Vec<String> =
         answer.tie_class.iter().filter(|one| !is_first(one)).map(|one| bdi(one)).collect();
     if !ties.is_empty() {
-        let said = format!("Within the range of the model as good: {}.", ties.join(", "));
-        sure.push_str(&folded(&said, ties.len(), "as good within the range of the model"));
+        let said = format!(
+            "With each one's doubts at their ends these could be as good: {}.",
+            ties.join(", ")
+        );
+        sure.push_str(&folded(&said, ties.len(), "whose ranges overlap with its own"));
     }
     let won = first.and_then(|row| row.expected.as_ref()?.worlds);
     // Who touches nobody in any member does no harm in any world.
