@@ -1,6 +1,6 @@
-//! Traces of simulators, as `tools/traces/write.py` has a library of others write them, beside
-//! twins of the same scenes that are written by hand: the same contacts, within 20 ms. And what is
-//! no trace, as a user meets it.
+//! Traces of simulators, as `tools/traces/write.py` has a library of others write them and as esmini
+//! wrote them, beside twins of the same scenes that are written by hand or converted by others: the
+//! same contacts, within 20 ms. And what is no trace, as a user meets it.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, text, trolley};
@@ -177,6 +177,85 @@ fn what_esmini_writes_meets_whom_a_twin_in_commonroad_meets() {
     assert!(count >= 6, "{count} contacts");
 }
 
+/// What esmini wrote when it played a test of Euro NCAP, from a moment on, beside its twin by hand:
+/// the ego at 50 km/h, whose middle is the origin, and another party.
+fn ncap(trace: &str, at_s: &str, other: &str) {
+    let twin = format!(
+        "schema = \"trolley.scenario/2\"\nname = \"Twin\"\nhorizon_s = 2\n\
+         [parties.ego]\ngenerate = {{ shape = \"sedan\", triangles = 20000 }}\n\
+         size_m = [4.358, 1.815]\n{other}\
+         [[candidates]]\nname = \"as recorded\"\n\
+         state = {{ position_m = [0, 0, 0], speed_m_s = {V_M_S:?} }}\n\
+         [[candidates]]\nname = \"go on, straight\"\n\
+         state = {{ position_m = [0, 0, 0], speed_m_s = {V_M_S:?} }}\n"
+    );
+    let place = Place::new();
+    let twin = place.write("twin.toml", &twin);
+    let trace = format!("{}/../../tests/data/traces/{trace}", env!("CARGO_MANIFEST_DIR"));
+    let trace = [&trace[..], "--at", at_s, "--horizon", "2", "--laterals", "0"];
+    let count = compare(&trace, &[twin.to_str().unwrap()]);
+    assert_eq!(count, 2, "contacts");
+}
+
+/// 50 km/h.
+const V_M_S: f64 = 50.0 / 3.6;
+/// How far the middle of the ego is ahead of what its scripts place, its rear axle; and that of the
+/// target vehicle (m).
+const MIDDLE_M: [f64; 2] = [1.349, 1.328];
+/// Half the lengths of both (m).
+const HALF_M: [f64; 2] = [4.358 / 2.0, 4.023 / 2.0];
+
+#[test]
+fn a_test_against_a_standing_car_as_esmini_plays_it() {
+    // Five seconds ahead at the start, one after four of them.
+    let x = V_M_S + MIDDLE_M[1] - MIDDLE_M[0];
+    let other = format!(
+        "[parties.\"car by hand\"]\ngenerate = {{ shape = \"sedan\", triangles = 20000 }}\n\
+         size_m = [4.023, 1.712]\nstate = {{ position_m = [{x:?}, 0, 0], speed_m_s = 0 }}\n"
+    );
+    ncap("ccrs.csv", "4", &other);
+}
+
+#[test]
+fn a_test_against_a_braking_car_as_esmini_plays_it() {
+    // 40 m ahead and as fast, it brakes with 2 m/s² until it creeps with 2 km/h: from 3 s after the
+    // distance is made, which takes the first step of 50 ms. In each step it moves with the speed of
+    // the step's end, as if it had begun half a step before.
+    const CREEPS_M_S: f64 = 2.0 / 3.6;
+    let braked_s = 8.5 - (3.05 - 0.025);
+    let (gap_m, speed_m_s) = (40.0 - braked_s * braked_s, V_M_S - 2.0 * braked_s);
+    let creeps_s = (speed_m_s - CREEPS_M_S) / 2.0;
+    let braking = states(0.1, 20, |t| {
+        let braked = t.min(creeps_s);
+        let along = speed_m_s * braked - braked * braked + CREEPS_M_S * (t - braked);
+        [gap_m + HALF_M[0] + HALF_M[1] + along, 0.0, 0.0]
+    });
+    let other = format!(
+        "[parties.\"car by hand\"]\ngenerate = {{ shape = \"sedan\", triangles = 20000 }}\n\
+         size_m = [4.023, 1.712]\n[[parties.\"car by hand\".paths]]\n{}\n",
+        braking.trim_start_matches("{ ").trim_end_matches(" }")
+    );
+    ncap("ccrb.csv", "8.5", &other);
+}
+
+#[test]
+fn a_test_against_a_pedestrian_as_esmini_plays_it() {
+    // At 5 km/h from the right, who is struck a quarter of the width from the right side.
+    const WALKS_M_S: f64 = 5.0 / 3.6;
+    let (width_m, depth_m) = (1.815, 0.5);
+    // Six seconds ahead of the rear axle at the start, one after five of them.
+    let x = V_M_S - MIDDLE_M[0];
+    let struck_s = (x - HALF_M[0] - 0.5 * depth_m) / V_M_S;
+    let y = -0.25 * width_m - WALKS_M_S * struck_s;
+    let other = format!(
+        "[parties.\"pedestrian by hand\"]\n\
+         generate = {{ shape = \"pedestrian\", triangles = 16000 }}\n\
+         size_m = [0.6, {depth_m:?}]\n\
+         state = {{ position_m = [{x:?}, {y:?}, 0], yaw_deg = 90, speed_m_s = {WALKS_M_S:?} }}\n"
+    );
+    ncap("cpna.csv", "5", &other);
+}
+
 #[test]
 fn a_later_moment_is_another_scenario() {
     let trace = example("crossing.osi");
@@ -224,5 +303,20 @@ fn what_is_no_trace_is_refused_with_place_and_remedy() {
         assert_eq!(output.status.code(), Some(65), "{name}: {said}");
         assert!(said.contains(name) && said.contains(says), "{name}: {said}");
         assert!(said.contains("help: "), "{name}: {said}");
+    }
+}
+
+mod shared_data {
+    use super::*;
+    use crate::support::shared;
+
+    #[test]
+    #[ignore = "needs ../shared/data: recorded traffic"]
+    fn what_esmini_plays_is_what_others_made_of_the_same_script() {
+        let trace =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/traces/fabriksgatan.csv");
+        let twin = shared("scenarios/commonroad/OSC_PedestrianCollision-1_1_T-1.xml");
+        let count = compare(&[trace], &[twin.to_str().unwrap()]);
+        assert_eq!(count, 3, "contacts");
     }
 }
