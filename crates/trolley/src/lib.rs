@@ -379,7 +379,10 @@ pub use serve::{Greeting, ServeOptions, serve, supervise};
 /// assert_eq!(Idle::default(), Idle::Park);
 /// ```
 pub use service::Idle;
-pub use texts::{SourceText, Texts, policy_names, read_policy, read_text};
+pub use texts::{
+    SourceText, Texts, check_criteria, policy_names, read_curves, read_parameters, read_policy,
+    read_text,
+};
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// Name of this build: its version, and a hash of its sources. Both ends of every channel carry it,
