@@ -25,6 +25,7 @@ mod inputs;
 mod knob;
 mod plan;
 mod ranker;
+mod report;
 mod rows;
 mod run;
 mod scene;
@@ -35,6 +36,7 @@ mod status;
 
 pub use knob::Knob;
 pub use plan::{Plan, SceneKey, plan};
+pub use report::report;
 pub use rows::TABLES_SCHEMA;
 pub use run::{RunDone, RunOptions, run, work};
 pub use scene::{WrittenScene, write_scene};

@@ -19,7 +19,7 @@ use crate::spec::{Kept, Placed, SCHEMA, Spec};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use trolley::files::{self, InputKind};
-use trolley::{BUILD, Failure, FailureKind, SourceText};
+use trolley::{BUILD, Failure, FailureKind, SourceText, Worlds};
 
 /// Most scenes of a study.
 const SCENES_MAX: u64 = 1_000_000_000;
@@ -43,6 +43,7 @@ pub(crate) struct PlanFile {
     pub(crate) name: String,
     pub(crate) spec: String,
     pub(crate) members: [i64; 2],
+    pub(crate) worlds: i64,
     pub(crate) scenes_per_shard: u32,
     pub(crate) candidates: Kept,
     pub(crate) persons: Kept,
@@ -136,6 +137,7 @@ pub fn plan(spec: &Path, dir: &Path) -> Result<Plan, Failure> {
         name: read.name,
         spec: read.text,
         members: read.members,
+        worlds: read.worlds,
         scenes_per_shard: read.scenes_per_shard,
         candidates: read.candidates,
         persons: read.persons,
@@ -320,6 +322,11 @@ impl Plan {
         let parameters = digit(self.file.parameters.len());
         let input = digit(self.file.inputs.len());
         Ok(SceneKey { scene, input, parameters, values })
+    }
+
+    /// The worlds of every answer, where there are members.
+    pub(crate) fn worlds(&self) -> Worlds {
+        Worlds::new(self.file.worlds, 0).unwrap_or(Worlds::USUAL)
     }
 
     pub(crate) fn file(&self) -> &PlanFile {

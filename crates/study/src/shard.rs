@@ -21,7 +21,7 @@ use trolley::{Failure, FailureKind, files};
 const PIECE: usize = 512;
 
 /// A shard that is finished.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ShardDone {
     /// Its number.
     pub shard: u32,
@@ -66,7 +66,8 @@ impl Runner {
     pub(crate) fn watched(dir: &Path, watcher: Watcher) -> Result<Self, Failure> {
         let plan = Plan::open(dir)?;
         plan.check_build()?;
-        Ok(Self { plan, ranker: Ranker::new(), watcher })
+        let ranker = Ranker::new(&plan)?;
+        Ok(Self { plan, ranker, watcher })
     }
 
     /// The plan.

@@ -5,8 +5,8 @@ use keys::Twice;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
-use trolley::Failure;
 use trolley::files::{self, InputKind};
+use trolley::{Failure, Worlds};
 
 /// Name and version of the form.
 pub(crate) const SCHEMA: &str = "trolley.study/1";
@@ -21,7 +21,7 @@ const SHARD: i64 = 500;
 const NAME_MAX: usize = 60;
 
 const KEYS: &str = "a study has schema, name, policies, [[recordings]] or [[scenarios]], and may \
-                    have curves, parameters, members, members_max, scenes_per_shard, candidates, \
+                    have curves, parameters, members, members_max, worlds, scenes_per_shard, candidates, \
                     persons and [sweep.NAME]: trolley help study";
 
 /// Of what there are rows.
@@ -41,6 +41,7 @@ pub(crate) struct Spec {
     pub(crate) text: String,
     pub(crate) name: String,
     pub(crate) members: [i64; 2],
+    pub(crate) worlds: i64,
     pub(crate) scenes_per_shard: u32,
     pub(crate) candidates: Kept,
     pub(crate) persons: Kept,
@@ -88,6 +89,7 @@ struct File {
     name: Spanned<String>,
     members: Option<Spanned<i64>>,
     members_max: Option<Spanned<i64>>,
+    worlds: Option<Spanned<i64>>,
     scenes_per_shard: Option<Spanned<i64>>,
     candidates: Option<Kept>,
     persons: Option<Kept>,
@@ -182,6 +184,12 @@ impl Spec {
             let begin = written.map_or(0, |written| written.span().start);
             return Err(reader.refused(begin, failure.what(), "members may be 1 to 1024"));
         }
+        let worlds =
+            read.worlds.as_ref().map_or(i64::from(Worlds::USUAL.count), |it| *it.get_ref());
+        if let Err(misfit) = Worlds::new(worlds, 0) {
+            let begin = read.worlds.as_ref().map_or(0, |worlds| worlds.span().start);
+            return Err(reader.refused(begin, &misfit.what, &misfit.remedy));
+        }
         let scenes_per_shard = match &read.scenes_per_shard {
             None => SHARD,
             Some(written) if (1..=SHARD_MAX).contains(written.get_ref()) => *written.get_ref(),
@@ -214,6 +222,7 @@ impl Spec {
         let spec = Self {
             name: name.clone(),
             members: [count, most],
+            worlds,
             // Checked above.
             scenes_per_shard: u32::try_from(scenes_per_shard).unwrap_or(1),
             candidates: read.candidates.unwrap_or(Kept::All),
