@@ -4,7 +4,7 @@
 //! of the pairs is taken over (id in A) << 32 | (id in B). Zeros are +0.
 
 use crate::candidate_state::CandidateState;
-use crate::request::{Candidate, Request};
+use crate::request::{Candidate, Person};
 use body::{BodyKind, BodyView, Meta};
 use damage::{CandidateHarm, CollisionParty, Interval, Range};
 use geometry::DVec3;
@@ -95,9 +95,10 @@ pub(crate) fn sides(candidate: &Candidate, harm: &CandidateHarm) -> String {
     format!("{} {sign} {}", side(&candidate.a, normal), side(&candidate.b, -normal))
 }
 
-pub(crate) fn persons(request: &Request, harm: &CandidateHarm) -> Vec<PersonRow> {
+/// Everyone in a contact; `list` has all who are at stake.
+pub(crate) fn persons(list: &[Person], harm: &CandidateHarm) -> Vec<PersonRow> {
     let row = |person: &damage::PersonHarm| PersonRow {
-        party: request.persons[person.id.0].party.to_string(),
+        party: list[person.id.0].party.to_string(),
         seat: person.seat.map(body::Seat::name),
         victim: person.victim.name(),
         curve: person.curve.to_string(),

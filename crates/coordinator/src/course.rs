@@ -35,11 +35,12 @@ use damage::{
     Unevaluable, rank_in,
 };
 use runtime::clock;
-use scenario::Scenario;
+use scenario::{Members, Name, Scenario, Worlds};
 use std::borrow::Cow;
 use std::rc::Rc;
 
 mod assessed_contact;
+mod contact_facts;
 mod course_answer;
 mod explain;
 mod flags;
@@ -49,6 +50,7 @@ mod persons;
 mod plan_scene;
 mod rounds;
 mod search;
+mod searched;
 mod stages;
 mod stop;
 #[cfg(any(test, feature = "faults"))]
@@ -67,17 +69,22 @@ pub use plan_scene::{
 pub use rounds::EncounterEffort;
 #[cfg(test)]
 pub(crate) use rounds::first_round;
+pub use searched::{AssessError, SearchedCourses, search_courses};
 pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
 pub use worlds::{FlipRow, WorldsRow};
 
 use assessed_contact::AssessedContact;
+use contact_facts::ContactFacts;
+use course_answer::Description;
 use history::{SearchClock, Surveyor};
 use member::Member;
 use persons::People;
 use rounds::Rounds;
+use stages::{CourseOutline, Stage, Stages};
 use way::{Begin, NextContact, Scenery, Way};
+use worlds::WorldsFound;
 
 /// One request over a horizon.
 #[derive(Clone, Debug)]
@@ -92,13 +99,24 @@ pub struct CourseRequest<'a> {
     /// Policy, curves and parameters that judge the candidates.
     pub criteria: Criteria,
     /// How many members are followed.
-    pub members: scenario::Members,
+    pub members: Members,
+    /// Which worlds are drawn.
+    pub worlds: Worlds,
     /// Whether a history is recorded, from which the answer can be made again.
     pub history: bool,
     /// Whether the answer is explained.
     pub explanation: bool,
     /// Whether it is said where everybody is over time, for a picture.
     pub scene: bool,
+}
+
+impl CourseRequest<'_> {
+    /// The request with a policy that knows its candidates by number.
+    fn among_candidates(&self) -> Self {
+        let names = self.scenario.candidates.iter().map(|candidate| candidate.name.as_str());
+        let policy = self.criteria.policy.among(names);
+        Self { criteria: Criteria { policy, ..self.criteria.clone() }, ..self.clone() }
+    }
 }
 
 /// What the work on a request took.
@@ -170,6 +188,11 @@ impl<'s> Course<'s> {
     fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
         let way = Way::new(scenery, member, candidate);
         Self { candidate, way, contacts: Vec::new(), stuck: None, is_spared: false, harm: None }
+    }
+
+    /// Its contacts as worlds assess them, if they are kept.
+    fn facts(&self) -> Vec<&ContactFacts> {
+        self.contacts.iter().filter_map(|contact| contact.facts.as_deref()).collect()
     }
 
     /// Whether anything is not known of it.
@@ -251,14 +274,75 @@ fn follow(
     time: &SearchClock,
     surveyor: &mut Surveyor<'_>,
 ) -> Result<RankedCourses, RunError> {
-    let names = request.scenario.candidates.iter().map(|candidate| candidate.name.as_str());
-    let policy = request.criteria.policy.among(names);
-    let criteria = Criteria { policy, ..request.criteria.clone() };
-    let request = &CourseRequest { criteria, ..request.clone() };
+    let request = &request.among_candidates();
     let is_over = || time.is_over();
     let is_due = time.is_watched().then_some(&is_over as &dyn Fn() -> bool);
-    let mut rounds = Rounds::new(stage, request, until);
-    let mut follow = |rounds: &mut Rounds<'_>| -> Result<(), RunError> {
+    let mut followed = Followed { rounds: Rounds::new(stage, request, until), time, surveyor };
+    let judged = if request.members.is_nominal() {
+        followed.follow(0, false)?;
+        followed.judged(0)?
+    } else {
+        stages::followed(request.members, time, &mut followed)?
+    };
+    let rounds = followed.rounds;
+    let Rounds { scenery, people, courses, mut encounters, mut effort, reports, .. } = rounds;
+    // The scene as stated, and the members that harm is the mean of: a late stage has begun more.
+    let (courses, all_drawn) = courses.split_at(request.scenario.candidates.len());
+    let count = judged.members.as_ref().map_or(0, stages::MembersFound::count);
+    let drawn = &all_drawn[..count * courses.len()];
+    let begun_ns = clock::now_ns();
+    let worlds = if judged.has_worlds() {
+        let contacts: Vec<Vec<&ContactFacts>> = drawn.iter().map(Course::facts).collect();
+        let contacts = (&contacts[..], request.scenario.parties.len());
+        worlds::found(
+            (&request.criteria, request.worlds),
+            &judged,
+            people.stakes(),
+            contacts,
+            is_due,
+        )?
+    } else {
+        None
+    };
+    effort.worlds_ns = clock::now_ns() - begun_ns;
+    let spared = |courses: &[Course<'_>]| courses.iter().filter(|course| course.is_spared).count();
+    effort.spared = (spared(courses) + spared(all_drawn)) as u64;
+    let begun_ns = clock::now_ns();
+    let is_drawn = judged.members.is_some();
+    let described = Description::of(&scenery, &people, courses, (&mut encounters, is_drawn));
+    let explain = || {
+        let known = (courses, &judged.harms[..]);
+        let criteria = &request.criteria;
+        Explanation::new(request.scenario, &people, criteria, (known, drawn), &judged.ranking)
+    };
+    let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
+    let answer = judged.answer(
+        described,
+        (&people, &request.criteria.policy),
+        worlds,
+        (request.members, request.worlds),
+    );
+    effort.judge_ns = clock::now_ns() - begun_ns;
+    let scene = request.scene.then(|| plan_scene::scene(&scenery, courses, drawn, &answer.ranking));
+    Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
+}
+
+/// Candidates as they are followed, stage by stage.
+struct Followed<'f, 'r, 's> {
+    rounds: Rounds<'r>,
+    time: &'f SearchClock,
+    surveyor: &'f mut Surveyor<'s>,
+}
+
+impl Stages for Followed<'_, '_, '_> {
+    type Error = RunError;
+
+    fn follow(&mut self, count: u32, is_part: bool) -> Result<(), RunError> {
+        let Self { rounds, time, surveyor } = self;
+        rounds.is_part = is_part;
+        if count > 0 {
+            rounds.draw(count)?;
+        }
         loop {
             let round = rounds.search(surveyor, time)?;
             let round = rounds.spare(round)?;
@@ -269,62 +353,29 @@ fn follow(
                 rounds.survey(&part, surveyor)?;
             }
         }
-    };
-    let judged = if request.members.is_nominal() {
-        follow(&mut rounds)?;
-        let harms = rounds.harms(&[]).remove(0);
-        Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)?
-    } else {
-        stages::followed(&mut rounds, request, time, &mut follow)?
-    };
-    let Rounds { scenery, people, courses, mut encounters, mut effort, reports, .. } = rounds;
-    let begun_ns = clock::now_ns();
-    let worlds = if judged.members.is_some() && judged.ranking.state == AnswerState::Complete {
-        let drawn = &courses[request.scenario.candidates.len()..];
-        worlds::found(request, &judged, people.stakes(), drawn, is_due)?
-    } else {
-        None
-    };
-    effort.worlds_ns = clock::now_ns() - begun_ns;
-    let Judged { harms, ranking, members } = judged;
-    effort.spared = courses.iter().filter(|course| course.is_spared).count() as u64;
-    let begun_ns = clock::now_ns();
-    let policy = &*request.criteria.policy;
-    // The scene as stated, and the members that harm is the mean of: a late stage has begun more.
-    let (courses, drawn) = courses.split_at(request.scenario.candidates.len());
-    let count = members.as_ref().map_or(0, stages::MembersFound::count);
-    let drawn = &drawn[..count * courses.len()];
-    let known = (courses, &harms[..]);
-    let mut answer = course_answer::written(
-        &scenery,
-        &people,
-        policy,
-        known,
-        &ranking,
-        (&mut encounters, members.is_some()),
-    );
-    if members.is_none() && !request.members.is_nominal() {
-        answer.missing.push("there was no time for members: the scene is ranked as stated".into());
-        answer.ranking.iter_mut().for_each(|row| row.is_stated_alone = true);
     }
-    if let Some(members) = members {
-        members.write(&mut answer, &ranking, &request.scenario.candidates);
-        match worlds {
-            Some(worlds) => worlds.write(&mut answer, &ranking),
-            // No world changes the winner.
-            None if answer.state == AnswerState::Complete => {
-                answer.state = AnswerState::Certified;
-                answer.missing.push("in how many worlds each would win".to_owned());
-            }
-            None => {}
+
+    fn judged(&mut self, count: u32) -> Result<Judged, RequestError> {
+        let Self { rounds, .. } = self;
+        let mut harms = rounds.harms(&[]);
+        let (stakes, request) = (rounds.people.stakes(), rounds.request);
+        let policy = &request.criteria.policy;
+        if count == 0 {
+            return Judged::of(policy, &stakes, harms.swap_remove(0));
         }
+        let parties: Vec<Name> = names_of(request.scenario);
+        let courses: Vec<CourseOutline> = rounds.courses.iter().map(CourseOutline::of).collect();
+        let (members, replaced) = (request.members, rounds.members.replaced);
+        let (stakes, parties) = (&stakes[..], &parties[..]);
+        let (harms, courses) = (&harms[..], &courses[..]);
+        let stage = Stage { policy, stakes, parties, members, count, replaced, harms, courses };
+        stage.judged()
     }
-    let explain =
-        || Explanation::new(request.scenario, &people, &request.criteria, (known, drawn), &ranking);
-    let explanation = request.explanation.then(explain).transpose().map_err(RequestError::from)?;
-    effort.judge_ns = clock::now_ns() - begun_ns;
-    let scene = request.scene.then(|| plan_scene::scene(&scenery, courses, drawn, &answer.ranking));
-    Ok(RankedCourses { answer, effort, reports, history: None, explanation, scene })
+}
+
+/// The names of all parties.
+fn names_of(scenario: &Scenario) -> Vec<Name> {
+    scenario.parties.iter().map(|party| party.name.clone()).collect()
 }
 
 /// The order of candidates, and what it was made from.
@@ -340,6 +391,42 @@ impl Judged {
         let mut ranking = RankedCandidates::default();
         rank_in(&mut Scratch::default(), policy, stakes, &harms, &mut ranking)?;
         Ok(Self { harms, ranking, members: None })
+    }
+
+    /// Whether worlds can be drawn.
+    fn has_worlds(&self) -> bool {
+        self.members.is_some() && self.ranking.state == AnswerState::Complete
+    }
+
+    /// The answer, if `worlds` are what was found where there are any.
+    fn answer(
+        self,
+        described: Description,
+        of: (&People, &Policy),
+        worlds: Option<WorldsFound>,
+        (members, asked): (Members, Worlds),
+    ) -> Answer {
+        let Self { harms, ranking, members: found } = self;
+        let mut answer = described.answer(of, &harms, &ranking);
+        let Some(found) = found else {
+            if !members.is_nominal() {
+                let none = "there was no time for members: the scene is ranked as stated";
+                answer.missing.push(none.to_owned());
+                answer.ranking.iter_mut().for_each(|row| row.is_stated_alone = true);
+            }
+            return answer;
+        };
+        found.write(&mut answer, &ranking);
+        match worlds {
+            Some(worlds) => worlds.write(&mut answer, &ranking),
+            // No world changes the winner.
+            None if answer.state == AnswerState::Complete && asked.count > 0 => {
+                answer.state = AnswerState::Certified;
+                answer.missing.push("in how many worlds each would win".to_owned());
+            }
+            None => {}
+        }
+        answer
     }
 }
 
@@ -379,19 +466,27 @@ fn harm_by<'c>(
     next: Option<(&NextContact, &CandidateHarm)>,
     changed: impl Fn(&'c CandidateHarm) -> Cow<'c, CandidateHarm>,
 ) -> CourseHarm {
-    let mut harm = CourseHarm::none();
-    for contact in course.contacts.iter().filter(|contact| counts(course, contact)) {
-        harm.include(&changed(&contact.harm));
-    }
     // A second look at a crash may still find it light: then it is as if it had not been.
     let is_final = |(meeting, harm): &(&NextContact, &CandidateHarm)| {
         meeting.begin != Begin::Again && is_heavy_for_sure(harm)
     };
-    if let Some((_, next)) = next.filter(is_final) {
-        harm.include(next);
-    }
-    harm.is_unevaluable |= course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
-    if course.is_open() {
+    let next = next.filter(is_final).map(|(_, next)| Cow::Borrowed(next));
+    let contacts = course.contacts.iter().filter(|contact| counts(course, contact));
+    let contacts = contacts.map(|contact| changed(&contact.harm)).chain(next);
+    let is_unevaluable = course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
+    total_harm(people, contacts, (is_unevaluable, course.is_open()))
+}
+
+/// The harm of these contacts together; and of whatever comes after them, where that is open.
+fn total_harm<'c>(
+    people: &People,
+    contacts: impl Iterator<Item = Cow<'c, CandidateHarm>>,
+    (is_unevaluable, is_open): (bool, bool),
+) -> CourseHarm {
+    let mut harm = CourseHarm::none();
+    contacts.for_each(|contact| harm.include(&contact));
+    harm.is_unevaluable |= is_unevaluable;
+    if is_open {
         harm.leave_open(people.all(), ENERGY_MAX_J);
     }
     // Last, as those who may be aboard run the greatest risk there, open ones included.

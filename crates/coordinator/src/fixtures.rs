@@ -73,6 +73,7 @@ pub(crate) fn with_policy<T>(
         shells: &shells,
         criteria,
         members: scenario::Members::NOMINAL,
+        worlds: scenario::Worlds::USUAL,
         history: false,
         explanation: false,
         scene: false,

@@ -137,7 +137,7 @@ pub(crate) struct Request {
 }
 
 /// A request that cannot be worked on.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum RequestError {
     /// A candidate's motion or bodies cannot be used.
     #[error("candidate \"{name}\": {source}")]
@@ -172,6 +172,13 @@ pub enum RequestError {
     /// The candidates cannot be ranked.
     #[error(transparent)]
     Rank(#[from] damage::RankError),
+}
+
+impl RequestError {
+    /// Whether another policy or other curves may do without it.
+    pub(crate) fn is_of_criteria(&self) -> bool {
+        matches!(self, Self::Assess { .. } | Self::Rank(_))
+    }
 }
 
 impl Diagnostic for RequestError {

@@ -266,4 +266,4 @@ fn flawed(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -80,6 +80,7 @@ pub fn inject(options: &InjectOptions, told: SyncProgress<'_>) -> Result<Injecte
         shells: &shells,
         criteria: scenario.criteria().clone(),
         members: scenario.parsed().members(),
+        worlds: scenario::Worlds::USUAL,
         history: false,
         explanation: false,
         scene: false,

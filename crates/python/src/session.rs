@@ -8,16 +8,16 @@
 //! Python's lock is held only to hand it over.
 
 use crate::errors::{raise, refuse};
+use crate::ranking::{Outcome, RankedScenes};
 use crate::scenario::ScenarioText;
-use pyo3::exceptions::PyIndexError;
+use crate::searched::SearchedScene;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use trolley::{Answer, Engine, Failure, FailureKind, Limits, Record, Scenario, Until};
+use trolley::{Engine, Failure, FailureKind, Limits, Record, Scenario, Searched, Until, Worlds};
 
 /// Most engines of a session.
 const ENGINES_MAX: usize = 64;
@@ -25,24 +25,28 @@ const ENGINES_MAX: usize = 64;
 /// How long to wait for outcomes until the next look for signals, such as Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Rankings to be made, by whichever engine is free.
+/// Work on scenarios, by whichever engine is free.
 struct Batch {
     scenarios: Vec<Scenario>,
     limits: Limits,
-    record: Option<PathBuf>,
+    task: Task,
     next: AtomicUsize,
     is_stopped: AtomicBool,
-    done: Sender<(usize, Result<Outcome, Failure>)>,
+    done: Sender<(usize, Result<Found, Failure>)>,
 }
 
-/// A ranking, ready to be handed to Python.
-pub(crate) struct Outcome {
-    pub(crate) name: String,
-    pub(crate) answer: Answer,
-    json: String,
-    explanation: Option<String>,
-    run: String,
-    record: Option<PathBuf>,
+/// What is done with a scenario.
+enum Task {
+    /// It is ranked, and recorded in a folder.
+    Rank(Option<PathBuf>),
+    /// It is searched for every policy.
+    Search,
+}
+
+/// What came of it.
+enum Found {
+    Ranked(Box<Outcome>),
+    Searched(Box<Searched>),
 }
 
 /// Engines with the bodies that they keep.
@@ -68,6 +72,10 @@ struct Wanted {
     explain: bool,
     #[pyo3(item)]
     record: Option<PathBuf>,
+    #[pyo3(item)]
+    worlds: Option<i64>,
+    #[pyo3(item)]
+    worlds_seed: u32,
 }
 
 #[pymethods]
@@ -112,20 +120,55 @@ impl RankingSession {
         if let Some(folder) = &record {
             Record::prepare(folder).map_err(|failure| raise(py, &failure))?;
         }
-        let outcomes = self.run(py, all, limits, record)?;
-        let failed = |(number, one): (usize, &Result<Outcome, Failure>)| {
-            let failure = one.as_ref().err()?.clone();
-            Some(if outcomes.len() > 1 {
-                failure.at(format!("scenarios[{number}]"))
-            } else {
-                failure
-            })
+        let ranked = |found| match found {
+            Found::Ranked(outcome) => Some(Arc::new(*outcome)),
+            Found::Searched(_) => None,
         };
-        if !keep_going && let Some(failure) = outcomes.iter().enumerate().find_map(failed) {
-            return Err(raise(py, &failure));
+        let outcomes = self.run(py, all, limits, Task::Rank(record), ranked)?;
+        if !keep_going {
+            raise_first(py, "scenarios", &outcomes)?;
         }
-        let shared = |one: Result<Outcome, Failure>| one.map(Arc::new);
-        Ok(RankedScenes { outcomes: outcomes.into_iter().map(shared).collect() })
+        Ok(RankedScenes { outcomes })
+    }
+
+    /// Searches scenarios, and returns them in their order.
+    fn searched(
+        &self,
+        py: Python<'_>,
+        scenarios: Vec<Bound<'_, ScenarioText>>,
+        members: Option<i64>,
+        members_max: Option<i64>,
+    ) -> PyResult<Vec<SearchedScene>> {
+        let limits = match members {
+            None => Ok(Limits::default()),
+            Some(members) => Limits::default().with_members(members, members_max),
+        };
+        let limits = limits.map_err(|failure| raise(py, &failure))?;
+        let all: Vec<Scenario> = scenarios.iter().map(|one| one.get().scenario.clone()).collect();
+        let searched = |found| match found {
+            Found::Searched(searched) => Some(*searched),
+            Found::Ranked(_) => None,
+        };
+        let found = self.run(py, all.clone(), limits, Task::Search, searched)?;
+        raise_first(py, "scenarios", &found)?;
+        let found = found.into_iter().flatten().zip(all);
+        Ok(found.map(|(searched, scenario)| SearchedScene::new(searched, scenario)).collect())
+    }
+}
+
+/// Raises the first failure, with its place in a list, if it has others.
+pub(crate) fn raise_first<T>(
+    py: Python<'_>,
+    list: &str,
+    found: &[Result<T, Failure>],
+) -> PyResult<()> {
+    let failed = |(number, one): (usize, &Result<T, Failure>)| {
+        let failure = one.as_ref().err()?.clone();
+        Some(if found.len() > 1 { failure.at(format!("{list}[{number}]")) } else { failure })
+    };
+    match found.iter().enumerate().find_map(failed) {
+        Some(failure) => Err(raise(py, &failure)),
+        None => Ok(()),
     }
 }
 
@@ -147,6 +190,9 @@ impl Wanted {
         if let Some(members) = self.members {
             limits = limits.with_members(members, self.members_max)?;
         }
+        if let Some(worlds) = drawn_worlds(self.worlds, self.worlds_seed)? {
+            limits = limits.with_worlds(worlds);
+        }
         Ok(match (&self.record, self.explain) {
             (Some(_), _) => limits.with_record(),
             (None, true) => limits.with_explanation(),
@@ -155,14 +201,24 @@ impl Wanted {
     }
 }
 
+/// The worlds of a seed; `None`: the usual ones.
+pub(crate) fn drawn_worlds(count: Option<i64>, seed: u32) -> Result<Option<Worlds>, Failure> {
+    if count.is_none() && seed == 0 {
+        return Ok(None);
+    }
+    let count = count.unwrap_or(i64::from(Worlds::USUAL.count));
+    Ok(Some(Worlds::new(count, seed)?))
+}
+
 impl RankingSession {
-    fn run(
+    fn run<T>(
         &self,
         py: Python<'_>,
         scenarios: Vec<Scenario>,
         limits: Limits,
-        record: Option<PathBuf>,
-    ) -> PyResult<Vec<Result<Outcome, Failure>>> {
+        task: Task,
+        wanted: impl Fn(Found) -> Option<T>,
+    ) -> PyResult<Vec<Result<T, Failure>>> {
         if self.process != std::process::id() {
             let failure = Failure::new(FailureKind::System, "a session does not survive a fork");
             let remedy = "make a Session in the child, or start it with the method \"spawn\"";
@@ -173,12 +229,12 @@ impl RankingSession {
         // The lock lends it to a thread without Python's; nobody else ever waits for it.
         let outcomes = Mutex::new(outcomes);
         let (next, is_stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let batch = Arc::new(Batch { scenarios, limits, record, next, is_stopped, done });
+        let batch = Arc::new(Batch { scenarios, limits, task, next, is_stopped, done });
         for engine in self.engines.iter().take(count) {
             // An engine that ended takes no tasks: the others do them, or none are done below.
             engine.send(Arc::clone(&batch)).ok();
         }
-        let mut found: Vec<Option<Result<Outcome, Failure>>> = (0..count).map(|_| None).collect();
+        let mut found: Vec<Option<Result<Found, Failure>>> = (0..count).map(|_| None).collect();
         let mut missing = count;
         // The sender in the batch goes with the last engine that has it.
         let stop = Arc::downgrade(&batch);
@@ -202,8 +258,11 @@ impl RankingSession {
                 Err(RecvTimeoutError::Disconnected) => break,
             }
         }
-        let ended = || Err(Failure::internal("an engine ended without an answer"));
-        Ok(found.into_iter().map(|one| one.unwrap_or_else(ended)).collect())
+        let ended = || Failure::internal("an engine ended without an answer");
+        let taken = |one: Option<Result<Found, Failure>>| {
+            one.unwrap_or_else(|| Err(ended())).and_then(|found| wanted(found).ok_or_else(ended))
+        };
+        Ok(found.into_iter().map(taken).collect())
     }
 }
 
@@ -225,13 +284,19 @@ fn start(cache_bytes: usize) -> Result<Sender<Arc<Batch>>, Failure> {
     started.map(|_| sender).map_err(failed)
 }
 
-/// Makes rankings until none is left or somebody stops it.
+/// Does the tasks of a batch until none is left or somebody stops it.
 fn serve(engine: &mut Engine, batch: &Batch) {
     while !batch.is_stopped.load(Ordering::Relaxed) {
         let number = batch.next.fetch_add(1, Ordering::Relaxed);
         let Some(scenario) = batch.scenarios.get(number) else { break };
-        let outcome = rank(engine, scenario, &batch.limits, batch.record.as_deref());
-        if batch.done.send((number, outcome)).is_err() {
+        let found = match &batch.task {
+            Task::Rank(record) => rank(engine, scenario, &batch.limits, record.as_deref())
+                .map(|outcome| Found::Ranked(Box::new(outcome))),
+            Task::Search => engine
+                .search(scenario, &batch.limits)
+                .map(|searched| Found::Searched(Box::new(searched))),
+        };
+        if batch.done.send((number, found)).is_err() {
             break;
         }
     }
@@ -248,135 +313,13 @@ fn rank(
     let record = record.map(|folder| Record::write(folder, &ranking)).transpose()?;
     let explanation = ranking.explanation.as_ref().map(serde_json::to_string).transpose();
     Ok(Outcome {
+        scene: None,
         name: scenario.parsed().name.clone(),
+        curves: scenario.criteria().curves.name.clone(),
         json: serde_json::to_string(&ranking.answer).map_err(internal)?,
         explanation: explanation.map_err(internal)?,
-        run: serde_json::to_string(&ranking.run).map_err(internal)?,
+        run: Some(serde_json::to_string(&ranking.run).map_err(internal)?),
         answer: ranking.answer,
         record,
     })
-}
-
-/// A scenario, ranked.
-#[pyclass(name = "Ranking", module = "trolley_av", frozen)]
-pub(crate) struct RankedScene {
-    outcome: Arc<Outcome>,
-}
-
-fn loads<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
-    py.import("json")?.call_method1("loads", (text,))
-}
-
-#[pymethods]
-impl RankedScene {
-    /// The name of the scenario.
-    #[getter]
-    fn scenario(&self) -> &str {
-        &self.outcome.name
-    }
-
-    /// The answer as JSON: what `trolley rank --json` prints as "answer", without white space.
-    #[getter]
-    fn json<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, self.outcome.json.as_bytes())
-    }
-
-    /// The answer as a new dict, with the keys of `json`.
-    #[getter]
-    fn answer<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        loads(py, &self.outcome.json)
-    }
-
-    /// Every figure from contact to rank, if it was asked for.
-    #[getter]
-    fn explanation<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.outcome.explanation.as_ref().map(|text| loads(py, text)).transpose()
-    }
-
-    /// How the work was done: times and counts, different each time.
-    #[getter]
-    fn run<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        loads(py, &self.outcome.run)
-    }
-
-    /// The path of the decision record, if one was asked for.
-    #[getter]
-    fn record(&self) -> Option<&Path> {
-        self.outcome.record.as_deref()
-    }
-
-    /// "complete", "certified" (what is open cannot change the winner), "degraded" or "refused".
-    #[getter]
-    fn state(&self) -> &'static str {
-        self.outcome.answer.state.name()
-    }
-
-    /// The name of the policy.
-    #[getter]
-    fn policy(&self) -> &str {
-        &self.outcome.answer.policy
-    }
-
-    /// The name of the candidate of least harm; None if there is none.
-    #[getter]
-    fn best(&self) -> Option<&str> {
-        self.outcome.answer.best().map(|best| best.name.as_str())
-    }
-
-    fn __repr__(&self) -> String {
-        let best = self.best().unwrap_or("nobody");
-        let (state, policy) = (self.state(), self.policy());
-        format!(
-            "<trolley_av.Ranking of \"{}\" under {policy}: {state}, best: {best}>",
-            self.scenario()
-        )
-    }
-}
-
-/// Scenarios, ranked, in their order: a sequence of `Ranking`, and an Arrow table of candidates.
-///
-/// pyarrow, Polars, pandas and DuckDB read it in place: ``pyarrow.table(rankings)`` has a row for
-/// each candidate. `work_lo` and `work_hi` bound the policy's leading measure by what is known of
-/// the work, `range_low` and `range_high` by what the model does not know; times are in s.
-#[pyclass(name = "Rankings", module = "trolley_av", frozen)]
-pub(crate) struct RankedScenes {
-    pub(crate) outcomes: Vec<Result<Arc<Outcome>, Failure>>,
-}
-
-#[pymethods]
-impl RankedScenes {
-    fn __len__(&self) -> usize {
-        self.outcomes.len()
-    }
-
-    fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<RankedScene> {
-        let number = if index < 0 { index + self.outcomes.len() as isize } else { index };
-        let outcome = usize::try_from(number).ok().and_then(|number| self.outcomes.get(number));
-        match outcome {
-            None => Err(PyIndexError::new_err(format!("there is no ranking {index}"))),
-            Some(Err(failure)) => Err(raise(py, failure)),
-            Some(Ok(outcome)) => Ok(RankedScene { outcome: Arc::clone(outcome) }),
-        }
-    }
-
-    /// Number and message of each scenario that could not be ranked.
-    #[getter]
-    fn failures(&self) -> Vec<(usize, String)> {
-        let failure = |(number, one): (usize, &Result<Arc<Outcome>, Failure>)| {
-            Some((number, one.as_ref().err()?.to_string()))
-        };
-        self.outcomes.iter().enumerate().filter_map(failure).collect()
-    }
-
-    #[cfg(feature = "arrow")]
-    #[pyo3(signature = (requested_schema = None))]
-    fn __arrow_c_stream__<'py>(
-        &self,
-        py: Python<'py>,
-        requested_schema: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, pyo3::types::PyCapsule>> {
-        // A reader that cannot take what it gets casts it itself: the protocol allows that.
-        let _ = requested_schema;
-        crate::table::stream(py, self)
-    }
 }

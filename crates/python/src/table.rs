@@ -1,7 +1,7 @@
 //! Many rankings as an Arrow table of candidates, handed over in place.
 
 use crate::errors::raise;
-use crate::session::RankedScenes;
+use crate::ranking::RankedScenes;
 use arrow_array::builder::{
     BooleanBuilder, Float64Builder, Int32Builder, Int64Builder, StringBuilder,
 };
@@ -19,6 +19,7 @@ struct Columns {
     scene: Int64Builder,
     scenario: StringBuilder,
     policy: StringBuilder,
+    curves: StringBuilder,
     state: StringBuilder,
     place: Int32Builder,
     candidate: StringBuilder,
@@ -47,14 +48,16 @@ pub(crate) fn stream<'py>(
 
 fn table(rankings: &RankedScenes) -> Result<RecordBatch, ArrowError> {
     let mut columns = Columns::default();
-    for (scene, outcome) in rankings.outcomes.iter().enumerate() {
+    for (number, outcome) in rankings.outcomes.iter().enumerate() {
         let Ok(outcome) = outcome else { continue };
+        let scene = outcome.scene.unwrap_or(number);
         let answer = &outcome.answer;
         let best = answer.best().map(|best| best.name.as_str());
         for (place, row) in (1..).zip(&answer.ranking) {
             columns.scene.append_value(scene as i64);
             columns.scenario.append_value(&outcome.name);
             columns.policy.append_value(&answer.policy);
+            columns.curves.append_value(&outcome.curves);
             columns.state.append_value(answer.state.name());
             columns.place.append_value(place);
             columns.candidate.append_value(&row.name);
@@ -77,6 +80,7 @@ fn table(rankings: &RankedScenes) -> Result<RecordBatch, ArrowError> {
         ("scene", Arc::new(columns.scene.finish()) as ArrayRef, false),
         ("scenario", Arc::new(columns.scenario.finish()), false),
         ("policy", Arc::new(columns.policy.finish()), false),
+        ("curves", Arc::new(columns.curves.finish()), false),
         ("state", Arc::new(columns.state.finish()), false),
         ("place", Arc::new(columns.place.finish()), false),
         ("candidate", Arc::new(columns.candidate.finish()), false),

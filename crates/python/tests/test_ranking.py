@@ -137,6 +137,54 @@ def test_a_scenario_is_ranked_under_every_policy(config):
     assert session.rank_under(scenario, [path])[0].policy == "weighted"
 
 
+def test_an_assessment_is_a_fresh_ranking(config):
+    paths = [config / name for name in SCENARIOS]
+    curves = [config / "curves/default.toml", config / "curves/levels.toml"]
+    names = ta.policy_names()
+    session = ta.Session(threads=2)
+    scenarios = [ta.Scenario.open(path) for path in paths]
+    searched = session.search_many(scenarios, members=1)
+    assessed = ta.assess_many(searched, policies=names, curves=curves, threads=2)
+    fresh = [scenario.with_policy(name).with_curves(set_of_curves) for scenario in scenarios
+             for name in names for set_of_curves in curves]
+    ranked = session.rank_many(fresh, members=1)
+    assert [one.json for one in assessed] == [one.json for one in ranked]
+    assert [one.curves for one in assessed] == [one.curves for one in ranked]
+    assert all(one.run is None and one.explanation is None for one in assessed)
+    one = searched[0].assess(policy="worst-off-first", curves=curves[1])
+    assert one.json == session.rank(
+        scenarios[0].with_policy("worst-off-first").with_curves(curves[1]), members=1).json
+
+
+def test_members_and_worlds_are_assessed_as_they_are_ranked(config):
+    scenario = ta.Scenario.open(config / "scenarios/crossing.toml")
+    session = ta.Session()
+    searched = session.search(scenario, members=3, members_max=6)
+    for name in ta.policy_names():
+        for worlds, seed in ((None, 0), (0, 0), (20, 5)):
+            asked = {"worlds": worlds, "worlds_seed": seed}
+            ranked = session.rank(scenario.with_policy(name), members=3, members_max=6, **asked)
+            assert searched.assess(policy=name, **asked).json == ranked.json
+    with pytest.raises(ta.InputError, match="worlds"):
+        searched.assess(worlds=-1)
+    with pytest.raises(ta.InputError, match="another|no policy"):
+        searched.assess(policy="no-such-policy")
+    with pytest.raises(ta.InputError, match="record"):
+        session.rank(scenario, members=3, worlds=5, record="records")
+
+
+def test_assessments_are_a_table(config):
+    arrow = pytest.importorskip("pyarrow")
+    session = ta.Session()
+    searched = session.search_many([config / "scenarios/small.toml", ta.Scenario.from_dict(CRASH)],
+                                   members=1)
+    rows = arrow.table(ta.assess_many(searched, policies=["default", "ego-only"])).to_pylist()
+    listed = [(row["scene"], row["policy"], row["curves"]) for row in rows if row["place"] == 1]
+    assert listed == [(0, "default", "default"), (0, "ego-only", "default"),
+                      (1, "default", "default"), (1, "ego-only", "default")]
+    assert arrow.table(ta.assess_many([])).num_rows == 0
+
+
 def test_rankings_are_a_table(config):
     arrow = pytest.importorskip("pyarrow")
     session = ta.Session()
@@ -212,7 +260,7 @@ def test_every_name_has_a_signature_and_documentation():
         assert getattr(ta, name).__doc__, name
         assert f"class {name}" in text or f"def {name}" in text or f"{name}: " in text, name
     assert os.path.exists(os.path.join(os.path.dirname(ta.__file__), "py.typed"))
-    for owner in (ta.Body, ta.Scene, ta.Scenario, ta.Ranking, ta.Rankings, ta.Session):
+    for owner in (ta.Body, ta.Scene, ta.Scenario, ta.Ranking, ta.Rankings, ta.Searched, ta.Session):
         for name in dir(owner):
             assert name.startswith("_") or f"def {name}(" in text, f"{owner.__name__}.{name}"
             assert name.startswith("_") or getattr(owner, name).__doc__, f"{owner.__name__}.{name}"

@@ -64,7 +64,7 @@ pub use document::TextPosition;
 pub use engine::{Cores, EngineSettings, Overrides, Scheme};
 pub use error::{Misfit, ScenarioError};
 pub use key_reference::key_reference;
-pub use members::{Errors, MemberDraw, MemberSequence, Members, PartyDraw};
+pub use members::{Errors, MemberDraw, MemberSequence, Members, PartyDraw, Worlds};
 pub use plausibility::{Implausible, LoadedBody, implausible, unmet};
 pub use rules::capacity;
 pub use scenario::{

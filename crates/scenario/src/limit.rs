@@ -58,6 +58,8 @@ pub(crate) const LEAF_SIZE: Limit<i64> = limit(1, 64, "");
 pub(crate) const CANDIDATES: Limit<usize> = limit(1, 16, "");
 /// One is the scene as stated; a thousand are more than any planner has time for.
 pub(crate) const MEMBERS: Limit<i64> = limit(1, 1024, "");
+/// A share of ten thousand worlds is known to half a hundredth.
+pub(crate) const WORLDS: Limit<i64> = limit(0, 10_000, "");
 /// Exact, to as far as a street is wide: who knows less does not know where it is.
 pub(crate) const ERROR_M: Limit<f64> = limit(0.0, 10.0, " m");
 /// A quarter turn: who knows less does not know which way it goes.

@@ -167,14 +167,38 @@ impl PartyDraw {
 /// The seed of the sequence.
 const SEED: u32 = 2018;
 
-/// The seed of the sequence of worlds.
+/// The seed of the usual sequence of worlds.
 const WORLD_SEED: u32 = 34;
 
-/// A coordinate of point `number` of the sequence of worlds, in \[0, 1): another sequence than that
-/// of members, so that worlds and members have nothing to do with each other.
-#[must_use]
-pub fn world_coordinate(number: u32, dimension: u32) -> f64 {
-    f64::from(sobol_burley::sample(number, dimension, WORLD_SEED))
+/// How many worlds are drawn where all work is done, and which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Worlds {
+    /// How many; 0: none, and an answer says nothing of them.
+    pub count: u32,
+    /// Which sequence they are points of.
+    pub seed: u32,
+}
+
+impl Worlds {
+    /// Where nothing is said.
+    pub const USUAL: Self = Self { count: 200, seed: 0 };
+
+    /// So many worlds of this sequence.
+    ///
+    /// # Errors
+    ///
+    /// If `count` is not within 0 and 10,000.
+    pub fn new(count: i64, seed: u32) -> Result<Self, Misfit> {
+        Ok(Self { count: limit::WORLDS.whole::<u32>("worlds", count)?, seed })
+    }
+
+    /// A coordinate of point `number`, in \[0, 1): another sequence than that of members, so that
+    /// worlds and members have nothing to do with each other.
+    #[must_use]
+    pub fn coordinate(&self, number: u32, dimension: u32) -> f64 {
+        let seed = WORLD_SEED.wrapping_add(self.seed);
+        f64::from(sobol_burley::sample(number, dimension, seed))
+    }
 }
 
 /// The members of a scene.

@@ -89,6 +89,7 @@ impl<'s> Ranker<'s> {
             shells: &self.shells,
             criteria: self.criteria.clone(),
             members: checked.scenario.members(),
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: false,
             scene: false,

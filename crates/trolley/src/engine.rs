@@ -25,7 +25,7 @@ mod ranking;
 
 pub use builder::EngineBuilder;
 pub use cores::{pin_coordinator, worker_cores};
-pub use ranking::Ranking;
+pub use ranking::{Ranking, Searched};
 
 use body_cache::BodyCache;
 use loaded::{Loaded, Subject, loaded};

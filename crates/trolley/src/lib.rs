@@ -136,6 +136,7 @@
 //! | module | what it is for |
 //! |---|---|
 //! | [`Scenario`], [`Engine`], [`Limits`], [`Ranking`] | from a file to an answer |
+//! | [`Searched`], [`Judge`] | one search, and an answer under each of many policies |
 //! | [`Record`] | an answer kept with all that it was made from, and replayed |
 //! | [`kernel`] | your own triangles: trees, intersecting pairs, sets, touches |
 //! | [`serve`](serve()), [`OpenDeployment`] | a service that answers planners |
@@ -165,6 +166,7 @@ pub mod explanation;
 pub mod files;
 pub mod init;
 pub mod intersect;
+mod judge;
 pub mod kernel;
 mod limits;
 pub mod model;
@@ -328,7 +330,8 @@ pub use ::scenario::Implausible;
 /// assert_eq!(FailureKind::Configuration.exit_code(), 78);
 /// ```
 pub use diagnostic::FailureKind;
-pub use engine::{Engine, EngineBuilder, Ranking, pin_coordinator, worker_cores};
+pub use engine::{Engine, EngineBuilder, Ranking, Searched, pin_coordinator, worker_cores};
+pub use judge::Judge;
 pub use limits::Limits;
 pub use plausibility::check_plausible;
 
@@ -342,6 +345,16 @@ pub use plausibility::check_plausible;
 /// assert!(engine.is_ok());
 /// ```
 pub use ::scenario::Overrides;
+/// How many worlds are drawn where all work is done, and which: for [`Limits::with_worlds`] and
+/// [`Searched::assess`].
+///
+/// ```
+/// use trolley::Worlds;
+///
+/// assert_eq!(Worlds::new(200, 0).ok(), Some(Worlds::USUAL));
+/// assert!(Worlds::new(-1, 0).is_err() && Worlds::new(1_000_000, 0).is_err());
+/// ```
+pub use ::scenario::Worlds;
 /// A request to the service, from [`OpenDeployment::ask`].
 ///
 /// ```
@@ -380,7 +393,10 @@ pub use serve::{Greeting, ServeOptions, serve, supervise};
 /// assert_eq!(Idle::default(), Idle::Park);
 /// ```
 pub use service::Idle;
-pub use texts::{SourceText, Texts, policy_names, read_policy, read_text};
+pub use texts::{
+    SourceText, Texts, check_criteria, policy_names, read_curves, read_parameters, read_policy,
+    read_text,
+};
 pub use worker::{play_worker, run_reader, run_worker};
 
 /// Name of this build: its version, and a hash of its sources. Both ends of every channel carry it,

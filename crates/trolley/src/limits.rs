@@ -3,7 +3,7 @@
 use crate::{Failure, FailureKind};
 use coordinator::{RequestLimits, SearchOrder, Until};
 use core::time::Duration;
-use scenario::Members;
+use scenario::{Members, Worlds};
 
 /// Least budget: two full leaves are tested in one step.
 const BUDGET_MIN: u64 = 2 * bvh::kernel::STEP_TESTS;
@@ -28,6 +28,7 @@ pub struct Limits {
     deadline: Option<Duration>,
     budget: Option<u64>,
     members: Option<Members>,
+    worlds: Option<Worlds>,
 }
 
 impl Limits {
@@ -186,8 +187,50 @@ impl Limits {
         self.members.unwrap_or(scenario)
     }
 
+    /// Draws these worlds where all work is done, in place of the usual ones.
+    ///
+    /// ```
+    /// use trolley::{Limits, Worlds};
+    ///
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = Limits::default().with_members(2, Some(2))?.with_worlds(Worlds::new(20, 1)?);
+    /// let worlds = engine.rank(&scenario, &limits)?.answer.worlds;
+    /// assert_eq!(worlds.map(|worlds| worlds.count), Some(20));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn with_worlds(self, worlds: Worlds) -> Self {
+        Self { worlds: Some(worlds), ..self }
+    }
+
+    /// Which worlds are drawn.
+    pub(crate) fn worlds(&self) -> Worlds {
+        self.worlds.unwrap_or(Worlds::USUAL)
+    }
+
+    /// Refuses what a search that suits every policy cannot keep to.
+    pub(crate) fn check_search(&self) -> Result<(), Failure> {
+        let refused = |what: &str| {
+            let remedy = "leave it out, or rank the scenario under each policy";
+            Err(Failure::setting(format!("a search for every policy has no {what}"))
+                .with_remedy(remedy))
+        };
+        match self {
+            Self { until: Until::Ordered | Until::Certified, .. } => refused("early end"),
+            Self { deadline: Some(_), .. } => refused("deadline"),
+            Self { job_history: true, .. } => refused("record"),
+            Self { explanation: true, .. } => refused("explanation"),
+            Self { .. } => Ok(()),
+        }
+    }
+
     /// Refuses limits that contradict each other.
     pub(crate) fn check(&self) -> Result<(), Failure> {
+        if self.job_history && self.worlds.is_some_and(|worlds| worlds != Worlds::USUAL) {
+            let failure = Failure::setting("a record holds no other worlds than the usual ones");
+            return Err(failure.with_remedy("leave the worlds out, or the record"));
+        }
         match (self.budget, self.job_history) {
             (Some(_), true) => {
                 let what = "a record holds no parts of jobs, so a budget cannot be replayed";

@@ -368,6 +368,24 @@ impl Scenario {
         beside(Path::new(self.file()), reference.path.as_ref())
     }
 
+    /// Returns the files that the scenario names, but for what judges it: paths and bodies, as they
+    /// are named.
+    ///
+    /// ```
+    /// let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// assert!(scenario.named_files().is_empty(), "its bodies are generated");
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn named_files(&self) -> Vec<(String, InputKind)> {
+        let paths = self.files.iter().map(|file| (file.name.clone(), InputKind::MotionPath));
+        let models = self.parsed.parties.iter().filter_map(|party| match &party.source {
+            Source::File(reference) => Some((reference.path.clone(), InputKind::Model)),
+            Source::Generate { .. } => None,
+        });
+        paths.chain(models).collect()
+    }
+
     /// This scenario with these values in place of its own, whatever its texts say: to be ranked,
     /// not to be recorded.
     pub(crate) fn varied(

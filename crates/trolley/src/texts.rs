@@ -192,6 +192,52 @@ pub fn read_policy(named: &Path) -> Result<SourceText, Failure> {
     POLICY.named_by_user(named)
 }
 
+/// Reads the curves in a file; if there is no such file, those that ship under this name.
+///
+/// ```
+/// assert!(trolley::read_curves("levels".as_ref())?.text.contains("schema"));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`read_policy`].
+pub fn read_curves(named: &Path) -> Result<SourceText, Failure> {
+    CURVES.named_by_user(named)
+}
+
+/// Reads the parameters in a file; if there is no such file, those that ship under this name.
+///
+/// ```
+/// assert!(trolley::read_parameters("default".as_ref())?.text.contains("schema"));
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`read_policy`].
+pub fn read_parameters(named: &Path) -> Result<SourceText, Failure> {
+    PARAMETERS.named_by_user(named)
+}
+
+/// Checks that a policy, curves and parameters are valid, and go with each other.
+///
+/// ```
+/// let policy = trolley::read_policy("default".as_ref())?;
+/// let curves = trolley::read_curves("default".as_ref())?;
+/// let parameters = trolley::read_parameters("default".as_ref())?;
+/// trolley::check_criteria([&policy, &curves, &parameters])?;
+/// assert!(trolley::check_criteria([&curves, &curves, &parameters]).is_err());
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+///
+/// # Errors
+///
+/// The first fault that is found; one is that the curves lack the policy's outcome.
+pub fn check_criteria(texts: [&SourceText; 3]) -> Result<(), Failure> {
+    criteria(texts).map(drop)
+}
+
 /// Reads a text of the length of a scenario: see [`files::text`].
 ///
 /// ```

@@ -1,5 +1,6 @@
 //! One contact of a course: as a candidate of a request, assessed, and what it does to the course.
 
+use super::contact_facts::ContactFacts;
 use super::persons::People;
 use super::plan_scene::ContactScene;
 use super::way::{Begin, NextContact, Scenery};
@@ -13,9 +14,9 @@ use crate::request::{
 use crate::work::SurveyRun;
 use body::Zones;
 use bvh::Witness;
-use damage::CandidateHarm;
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, RunOut, Severity};
+use damage::{CandidateHarm, Evidence};
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
 use std::cell::OnceCell;
@@ -38,8 +39,10 @@ pub(super) struct AssessedContact {
     pub(super) parts: [Vec<String>; 2],
     pub(super) persons: Vec<PersonRow>,
     pub(super) poses: Vec<PoseRow>,
-    /// What is assessed again in other worlds, if that is wanted.
-    pub(super) candidate: Option<Box<Candidate>>,
+    /// What is assessed again in other worlds and under other criteria, if that is wanted.
+    pub(super) facts: Option<Box<ContactFacts>>,
+    /// What its survey has found, if it is to be assessed under other criteria.
+    pub(super) evidence: Option<Box<Evidence>>,
     /// If the answer is explained.
     pub(super) chain: Option<Box<ContactChain>>,
     /// If a picture is wanted.
@@ -162,9 +165,10 @@ pub(super) fn assessed(
         hits: [hit.hits_a, hit.hits_b],
         hashes: [hit.hash_a, hit.hash_b].map(answer::hex),
         parts: answer::parts(state, [(&a.0, &a.1), (&b.0, &b.1)]),
-        persons: answer::persons(contacts, &harm),
+        persons: answer::persons(&contacts.persons, &harm),
         poses: answer::poses(state),
-        candidate: None,
+        facts: None,
+        evidence: None,
         chain: None,
         scene: None,
         harm,

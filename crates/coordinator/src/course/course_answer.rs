@@ -208,51 +208,66 @@ impl CourseRow {
     }
 }
 
-/// The answer that follows from finished courses.
-pub(super) fn written(
-    scenery: &Scenery<'_>,
-    people: &People,
-    policy: &Policy,
-    (courses, harms): (&[Course<'_>], &[CourseHarm]),
-    ranking: &RankedCandidates,
-    (search, is_drawn): (&mut Encounters, bool),
-) -> Answer {
-    let scenario = scenery.scenario;
-    let outlines = Outlines::of(scenery);
-    let predicted = Predicted::of(scenery);
-    let name = |number: usize| scenario.candidates[number].name.to_string();
-    let mut rows = Vec::new();
-    for (at, place) in ranking.places.iter().enumerate() {
-        let k = place.candidate;
-        let next = ranking.places.get(at + 1).map(|next| next.candidate);
-        let why = place.why.as_ref().zip(next);
-        let why = why.map(|(ground, next)| ground.sentence(&name(k), &name(next)));
-        let (course, harm) = (&courses[k], &harms[k]);
-        rows.push(row(
-            scenery,
-            people,
-            (&outlines, &predicted),
-            (k, place, why),
-            (course, harm),
-            search,
-        ));
+/// What is said of candidates whatever the policy: all but figures of harm and their order.
+#[derive(Clone, Debug)]
+pub(super) struct Description {
+    /// Per candidate, in the scenario's order, without figures of harm.
+    pub(super) rows: Vec<CourseRow>,
+    assumptions: Vec<String>,
+    missing: Vec<String>,
+}
+
+impl Description {
+    /// Of courses in the scene as stated; `is_drawn`: there are members, too.
+    pub(super) fn of(
+        scenery: &Scenery<'_>,
+        people: &People,
+        courses: &[Course<'_>],
+        (search, is_drawn): (&mut Encounters, bool),
+    ) -> Self {
+        let outlines = Outlines::of(scenery);
+        let predicted = Predicted::of(scenery);
+        let all = courses.iter().enumerate();
+        let rows = all.map(|(k, course)| row(scenery, (&outlines, &predicted), k, course, search));
+        let rows = rows.collect();
+        let open = courses.iter().enumerate().filter_map(|(k, course)| {
+            let missing = missing(scenery, course)?;
+            Some(format!("{}: {missing}", scenery.scenario.candidates[k].name))
+        });
+        Self { rows, assumptions: assumptions(scenery, people, is_drawn), missing: open.collect() }
     }
-    let open = courses.iter().enumerate().filter_map(|(k, course)| {
-        let missing = missing(scenery, course)?;
-        Some(format!("{}: {missing}", name(k)))
-    });
-    Answer {
-        state: ranking.state,
-        policy: policy.name.clone(),
-        ranking: rows,
-        tie_class: tie_class(ranking, courses).map(name).collect(),
-        notes: ranking.notes.clone(),
-        assumptions: assumptions(scenery, people, is_drawn),
-        settled_places: ranking.settled,
-        missing: open.collect(),
-        implausible: Vec::new(),
-        members: None,
-        worlds: None,
+
+    /// The answer with this harm of every candidate, in this order.
+    pub(super) fn answer(
+        self,
+        (people, policy): (&People, &Policy),
+        harms: &[CourseHarm],
+        ranking: &RankedCandidates,
+    ) -> Answer {
+        let Self { rows, assumptions, missing } = self;
+        let tied: Vec<String> = tie_class(ranking, &rows).map(|k| rows[k].name.clone()).collect();
+        let names: Vec<String> = rows.iter().map(|row| row.name.clone()).collect();
+        let mut rows: Vec<Option<CourseRow>> = rows.into_iter().map(Some).collect();
+        let placed = ranking.places.iter().enumerate().filter_map(|(at, place)| {
+            let k = place.candidate;
+            let next = ranking.places.get(at + 1).map(|next| next.candidate);
+            let why = place.why.as_ref().zip(next);
+            let why = why.map(|(ground, next)| ground.sentence(&names[k], &names[next]));
+            Some(rows[k].take()?.with_harm(people, (place, why), &harms[k]))
+        });
+        Answer {
+            state: ranking.state,
+            policy: policy.name.clone(),
+            ranking: placed.collect(),
+            tie_class: tied,
+            notes: ranking.notes.clone(),
+            assumptions,
+            settled_places: ranking.settled,
+            missing,
+            implausible: Vec::new(),
+            members: None,
+            worlds: None,
+        }
     }
 }
 
@@ -260,12 +275,9 @@ pub(super) fn written(
 /// never worse than one that touches somebody, though there the range may begin at nobody harmed.
 fn tie_class<'r>(
     ranking: &'r RankedCandidates,
-    courses: &'r [Course<'_>],
+    rows: &'r [CourseRow],
 ) -> impl Iterator<Item = usize> + use<'r> {
-    let is_free = |k: usize| {
-        let course = &courses[k];
-        course.contacts.is_empty() && course.open_from_s().is_none()
-    };
+    let is_free = |k: usize| rows[k].contacts.is_empty() && rows[k].open_from_s.is_none();
     let first = ranking.places.first().map(|place| place.candidate);
     let is_first_free = first.is_some_and(is_free);
     ranking.tie_class.iter().copied().filter(move |k| !is_first_free || is_free(*k))
@@ -412,12 +424,41 @@ fn heights(patch: &ContactPatch, party: &str) -> Vec<String> {
     weak.into_iter().chain(rides.into_iter().flatten()).collect()
 }
 
+impl CourseRow {
+    /// The row in its place, with its harm.
+    fn with_harm(
+        self,
+        people: &People,
+        (place, why): (&Place, Option<String>),
+        harm: &CourseHarm,
+    ) -> Self {
+        let persons = harm.persons.iter().map(|risk| {
+            let person = &people.list[risk.id.0];
+            CoursePersonRow {
+                party: person.party.to_string(),
+                seat: person.seat.map(body::Seat::name),
+                work: risk.work,
+                range: risk.range,
+            }
+        });
+        Self {
+            work: place.work,
+            range: place.range,
+            certain: place.certain,
+            why,
+            persons: persons.collect(),
+            energy_j: harm.energy_j,
+            ..self
+        }
+    }
+}
+
+/// A candidate without figures of harm.
 fn row(
     scenery: &Scenery<'_>,
-    people: &People,
     (outlines, predicted): (&Outlines, &Predicted),
-    (k, place, why): (usize, &Place, Option<String>),
-    (course, harm): (&Course<'_>, &CourseHarm),
+    k: usize,
+    course: &Course<'_>,
     search: &mut Encounters,
 ) -> CourseRow {
     let candidate = &scenery.scenario.candidates[k];
@@ -435,29 +476,20 @@ fn row(
         let name = |party: &usize| scenery.scenario.parties[*party].name.to_string();
         parties.iter().map(name).collect()
     };
-    let persons = harm.persons.iter().map(|risk| {
-        let person = &people.list[risk.id.0];
-        CoursePersonRow {
-            party: person.party.to_string(),
-            seat: person.seat.map(body::Seat::name),
-            work: risk.work,
-            range: risk.range,
-        }
-    });
     // A late answer is not made later by what is only said.
     let is_known = course.open_from_s().is_none();
     CourseRow {
         name: candidate.name.to_string(),
-        work: place.work,
-        range: place.range,
-        certain: place.certain,
-        why,
+        work: Interval::ZERO,
+        range: Range::new(0.0, 0.0),
+        certain: false,
+        why: None,
         contacts: course.contacts.iter().map(|contact| contact_row(scenery, contact)).collect(),
         parts_from: names(&course.way.passed_at_start),
         maybe_inside: names(&course.way.undecided_at_start),
         open_from_s: course.open_from_s(),
-        persons: persons.collect(),
-        energy_j: harm.energy_j,
+        persons: Vec::new(),
+        energy_j: Interval::ZERO,
         run_outs: run_outs.collect(),
         nearest: is_known
             .then(|| flags::nearest((scenery, outlines, predicted), way, is_met))

@@ -2,6 +2,7 @@
 //! rounds.
 
 use super::assessed_contact::{assessed, settle};
+use super::contact_facts::ContactFacts;
 use super::history::Surveyor;
 use super::member::Members;
 use super::persons::People;
@@ -50,6 +51,8 @@ pub(super) struct Rounds<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
+    /// Whether contacts keep what other criteria assess.
+    pub(super) keeps_facts: bool,
     /// Whether what is followed now is a part of what was asked for, all of which is wanted.
     pub(super) is_part: bool,
     /// The extremes of each body, as far as they were asked for: for members, of whom each asks
@@ -119,6 +122,7 @@ impl<'r> Rounds<'r> {
             request,
             scenery,
             stop: Stop::new(until, &criteria.policy, people.stakes()),
+            keeps_facts: false,
             is_part: false,
             people,
             courses,
@@ -279,10 +283,15 @@ impl<'r> Rounds<'r> {
         let candidate = &contacts.candidates[number];
         let mut assessed = assessed(contacts, work, number, meeting, harm);
         let state = &work.candidate_states()[number];
-        // Pictures and chains are of the scene as stated, worlds of members.
+        // Pictures and chains are of the scene as stated, worlds of members; other criteria judge
+        // both.
         let is_stated = k < self.scenery.scenario.candidates.len();
-        if !is_stated {
-            assessed.candidate = Some(Box::new(candidate.clone()));
+        if self.keeps_facts || !is_stated {
+            let parties = [self.scenery.scenario.ego.0, meeting.party];
+            assessed.facts = Some(Box::new(ContactFacts::of(candidate, parties)));
+        }
+        if self.keeps_facts {
+            assessed.evidence = Some(Box::new(work.evidence(number)));
         }
         if self.request.scene && is_stated {
             assessed.scene = Some(Box::new(ContactScene::of(candidate, state)));

@@ -7,15 +7,16 @@
 //! answer depends on nothing but the request.
 
 use super::history::SearchClock;
-use super::rounds::{Rounds, means};
-use super::{Answer, Course, CourseRequest, CourseRow, Judged};
+use super::rounds::means;
+use super::{Answer, Course, CourseRow, Judged};
 use crate::request::RequestError;
-use crate::workspace::RunError;
 use damage::expected::{self, Lead, Spread, Spreads};
-use damage::{AnswerState, CourseHarm, Interval, RankedCandidates};
-use scenario::{Candidate, Members};
+use damage::rule::Stake;
+use damage::{AnswerState, CourseHarm, Interval, Policy, RankedCandidates};
+use scenario::{Members, Name};
 use schemars::JsonSchema;
 use serde::Serialize;
+use smallvec::SmallVec;
 
 /// The members of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
@@ -91,12 +92,7 @@ impl MembersFound {
     }
 
     /// Completes an answer.
-    pub(super) fn write(
-        self,
-        answer: &mut Answer,
-        ranking: &RankedCandidates,
-        candidates: &[Candidate],
-    ) {
+    pub(super) fn write(self, answer: &mut Answer, ranking: &RankedCandidates) {
         let Self { row, asked, mut expected } = self;
         for (place, candidate) in ranking.places.iter().zip(&mut answer.ranking) {
             let own = core::mem::take(&mut expected[place.candidate]);
@@ -117,8 +113,11 @@ impl MembersFound {
         }
         let is_free =
             |name: &String| answer.ranking.iter().any(|row| row.name == *name && row.hits_nobody());
-        let name = |k: &usize| candidates[*k].name.to_string();
-        let mut tied: Vec<String> = ranking.tie_class.iter().map(name).collect();
+        let name = |k: &usize| {
+            let at = ranking.places.iter().position(|place| place.candidate == *k);
+            at.map(|at| answer.ranking[at].name.clone())
+        };
+        let mut tied: Vec<String> = ranking.tie_class.iter().filter_map(name).collect();
         if answer.ranking.first().is_some_and(CourseRow::hits_nobody) {
             tied.retain(is_free);
         }
@@ -142,33 +141,39 @@ impl MembersFound {
 /// Members of the first part of a stage.
 const FIRST_PART: u32 = 4;
 
+/// What stages are made of.
+pub(super) trait Stages {
+    /// Why a stage cannot be followed, or judged.
+    type Error: From<RequestError>;
+
+    /// Follows all candidates in the scene as stated and in so many members; `is_part`: all of a
+    /// part is wanted.
+    fn follow(&mut self, count: u32, is_part: bool) -> Result<(), Self::Error>;
+
+    /// The order by what is known of so many members; 0: of the scene as stated.
+    fn judged(&mut self, count: u32) -> Result<Judged, RequestError>;
+}
+
 /// Follows members in stages.
 ///
 /// Where there is a deadline, the scene as stated is followed first, and of the first stage ever
 /// longer parts: if it is not finished in time, the answer is that of the last part that was. What
 /// is known of a member does not depend on the others, so a finished stage is the same either way.
-pub(super) fn followed<'r>(
-    rounds: &mut Rounds<'r>,
-    request: &CourseRequest<'r>,
+pub(super) fn followed<S: Stages>(
+    members: Members,
     time: &SearchClock,
-    follow: &mut impl FnMut(&mut Rounds<'_>) -> Result<(), RunError>,
-) -> Result<Judged, RunError> {
-    let Members { count: asked, most } = request.members;
+    stages: &mut S,
+) -> Result<Judged, S::Error> {
+    let Members { count: asked, most } = members;
     let mut finished: Option<Judged> = None;
     let mut count = if time.has_limit() { 0 } else { asked };
     loop {
-        rounds.is_part = count < asked;
-        if count > 0 {
-            rounds.draw(count)?;
-        }
-        follow(rounds)?;
-        let judged = match count {
-            0 => as_stated(rounds, request)?,
-            _ => judged(rounds, request, count)?,
-        };
+        let is_part = count < asked;
+        stages.follow(count, is_part)?;
+        let judged = stages.judged(count)?;
         let is_done = judged.ranking.state == AnswerState::Complete;
         let before = finished.filter(|before| before.ranking.state == AnswerState::Complete);
-        if rounds.is_part {
+        if is_part {
             if time.is_over() {
                 return Ok(late(match before {
                     Some(before) if !is_done => before,
@@ -191,14 +196,13 @@ pub(super) fn followed<'r>(
             _ if !is_done || !is_close || count >= most => return Ok(judged),
             _ => finished = Some(judged),
         }
-        count = count.saturating_mul(2).min(most);
+        count = next_stage(count, most);
     }
 }
 
-/// The order of the scene as stated.
-fn as_stated(rounds: &mut Rounds<'_>, request: &CourseRequest<'_>) -> Result<Judged, RequestError> {
-    let harms = rounds.harms(&[]).remove(0);
-    Judged::of(&request.criteria.policy, &rounds.people.stakes(), harms)
+/// How many members the stage after this one has.
+pub(super) fn next_stage(count: u32, most: u32) -> u32 {
+    count.saturating_mul(2).min(most)
 }
 
 /// A stage after which another one was not finished.
@@ -212,68 +216,103 @@ fn late(judged: Judged) -> Judged {
     Judged { harms, ranking, members }
 }
 
-/// The order by what is known of a stage.
-fn judged(
-    rounds: &mut Rounds<'_>,
-    request: &CourseRequest<'_>,
-    count: u32,
-) -> Result<Judged, RequestError> {
-    let all = rounds.harms(&[]);
-    let stakes = rounds.people.stakes();
-    let policy = &request.criteria.policy;
-    let mut judged = Judged::of(policy, &stakes, means(&all[1..]))?;
-    let candidates = request.scenario.candidates.len();
-    let courses = &rounds.courses[candidates..];
-    let is_done = !rounds.courses.iter().any(Course::is_open);
-    let ranking = &mut judged.ranking;
-    let order: Vec<usize> = ranking.places.iter().map(|place| place.candidate).collect();
-    if !is_done && ranking.state == AnswerState::Complete {
-        // Something of the scene as stated is open, which is only shown.
-        ranking.state = AnswerState::Certified;
-    }
-    let spreads = if is_done {
-        expected::spreads(policy, &stakes, &all[1..], &order)?
-    } else {
-        if ranking.state == AnswerState::Certified && count < request.members.most {
-            // More members may have another winner.
-            let may_be_close = expected::may_be_close(policy, &stakes, &all[1..], order[0])?;
-            if may_be_close {
-                ranking.state = AnswerState::Degraded;
-                ranking.settled = 0;
-            }
+/// What a stage is judged by.
+pub(super) struct Stage<'s> {
+    pub(super) policy: &'s Policy,
+    /// What everybody has at stake.
+    pub(super) stakes: &'s [Stake],
+    /// The names of all parties.
+    pub(super) parties: &'s [Name],
+    /// How many members are asked for, and how many there are.
+    pub(super) members: Members,
+    pub(super) count: u32,
+    /// How many draws were replaced.
+    pub(super) replaced: u32,
+    /// The harm of every candidate in the scene as stated, then in each member.
+    pub(super) harms: &'s [Vec<CourseHarm>],
+    /// Every candidate in the scene as stated, then in each member.
+    pub(super) courses: &'s [CourseOutline],
+}
+
+/// Whom a candidate has met in one member.
+#[derive(Clone, Debug)]
+pub(super) struct CourseOutline {
+    /// Parties and when each was touched first in a crash (s), in the order of time.
+    pub(super) met: SmallVec<[(usize, f64); 2]>,
+    /// Whether anything is not known.
+    pub(super) is_open: bool,
+    /// Whether it was not decided who lies inside whom at the start.
+    pub(super) is_undecided: bool,
+}
+
+impl CourseOutline {
+    pub(super) fn of(course: &Course<'_>) -> Self {
+        let met = course.contacts.iter();
+        Self {
+            met: met.map(|contact| (contact.meeting.party, contact.first_touch_s)).collect(),
+            is_open: course.is_open(),
+            is_undecided: !course.way.undecided_at_start.is_empty(),
         }
-        Spreads::default()
-    };
-    let expected = (0..candidates).map(|k| {
-        let own: Vec<&Course<'_>> = courses.iter().filter(|course| course.candidate == k).collect();
-        let known = spreads.candidates.get(k).copied().zip(spreads.leading.get(k));
-        expected_row(rounds, &own, &judged.harms[k], known)
-    });
-    let row = MembersRow {
-        count,
-        most: request.members.most,
-        replaced: rounds.members.replaced,
-        lead: spreads.lead,
-        is_late: false,
-    };
-    let asked = request.members.count;
-    judged.members = Some(MembersFound { row, asked, expected: expected.collect() });
-    Ok(judged)
+    }
+}
+
+impl Stage<'_> {
+    /// The order by what is known of it.
+    pub(super) fn judged(&self) -> Result<Judged, RequestError> {
+        let Self { policy, stakes, members, count, harms: all, .. } = *self;
+        let mut judged = Judged::of(policy, stakes, means(&all[1..]))?;
+        let candidates = judged.harms.len();
+        let is_done = !self.courses.iter().any(|course| course.is_open);
+        let ranking = &mut judged.ranking;
+        let order: Vec<usize> = ranking.places.iter().map(|place| place.candidate).collect();
+        if !is_done && ranking.state == AnswerState::Complete {
+            // Something of the scene as stated is open, which is only shown.
+            ranking.state = AnswerState::Certified;
+        }
+        let spreads = if is_done {
+            expected::spreads(policy, stakes, &all[1..], &order)?
+        } else {
+            if ranking.state == AnswerState::Certified && count < members.most {
+                // More members may have another winner.
+                let may_be_close = expected::may_be_close(policy, stakes, &all[1..], order[0])?;
+                if may_be_close {
+                    ranking.state = AnswerState::Degraded;
+                    ranking.settled = 0;
+                }
+            }
+            Spreads::default()
+        };
+        let expected = (0..candidates).map(|k| {
+            let own: Vec<&CourseOutline> =
+                self.courses[candidates..].iter().skip(k).step_by(candidates).collect();
+            let known = spreads.candidates.get(k).copied().zip(spreads.leading.get(k));
+            expected_row(self.parties, &own, &judged.harms[k], known)
+        });
+        let row = MembersRow {
+            count,
+            most: members.most,
+            replaced: self.replaced,
+            lead: spreads.lead,
+            is_late: false,
+        };
+        let asked = members.count;
+        judged.members = Some(MembersFound { row, asked, expected: expected.collect() });
+        Ok(judged)
+    }
 }
 
 /// What the members of one candidate say.
 fn expected_row(
-    rounds: &Rounds<'_>,
-    courses: &[&Course<'_>],
+    parties: &[Name],
+    courses: &[&CourseOutline],
     harm: &CourseHarm,
     known: Option<(Spread, &Vec<f64>)>,
 ) -> ExpectedRow {
     let share = 1.0 / courses.len() as f64;
-    let parties = &rounds.scenery.scenario.parties;
     let met = |party: usize| {
         let firsts = courses.iter().filter_map(|course| {
-            let with = course.contacts.iter().filter(|contact| contact.meeting.party == party);
-            with.map(|contact| contact.first_touch_s).reduce(f64::min)
+            let with = course.met.iter().filter(|(met, _)| *met == party);
+            with.map(|(_, first_touch_s)| *first_touch_s).reduce(f64::min)
         });
         let (mut members, mut from_s) = (0_u32, f64::INFINITY);
         for first_s in firsts {
@@ -281,7 +320,7 @@ fn expected_row(
             from_s = from_s.min(first_s);
         }
         let row = MetRow {
-            party: parties[party].name.to_string(),
+            party: parties[party].to_string(),
             probability: f64::from(members) * share,
             from_s: from_s + 0.0,
         };
@@ -289,24 +328,23 @@ fn expected_row(
     };
     let mut meets: Vec<MetRow> = (0..parties.len()).filter_map(met).collect();
     meets.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    let first = |course: &Course<'_>| {
-        let party = parties[course.contacts.first()?.meeting.party].name.as_str();
+    let first = |course: &CourseOutline| {
+        let party = parties[course.met.first()?.0].as_str();
         meets.iter().position(|met| met.party == party)
     };
     let members = known.map(|(_, leading)| {
         let rows = leading.iter().zip(courses);
         rows.map(|(harm, course)| MemberRow { harm: *harm, first: first(course) }).collect()
     });
-    let any = courses.iter().filter(|course| !course.contacts.is_empty()).count();
+    let any = courses.iter().filter(|course| !course.met.is_empty()).count();
     let sum =
         |end: fn(Interval) -> f64| harm.persons.iter().map(|risk| end(risk.work)).sum::<f64>();
     ExpectedRow {
         contact: any as f64 * share,
         meets,
         injured: Interval::new(sum(Interval::lo), sum(Interval::hi)),
-        open: courses.iter().filter(|course| course.is_open()).count() as u32,
-        undecided: courses.iter().filter(|course| !course.way.undecided_at_start.is_empty()).count()
-            as u32,
+        open: courses.iter().filter(|course| course.is_open).count() as u32,
+        undecided: courses.iter().filter(|course| course.is_undecided).count() as u32,
         spread: known.map(|(spread, _)| spread),
         worlds: None,
         members: members.unwrap_or_default(),

@@ -56,6 +56,7 @@ pub(super) fn attempted(
         shells: &shells,
         criteria,
         members: scenario.members.unwrap_or(Members::NOMINAL),
+        worlds: scenario::Worlds::USUAL,
         history: true,
         explanation: true,
         scene: true,

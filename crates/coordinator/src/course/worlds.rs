@@ -3,18 +3,16 @@
 //!
 //! The contacts of all members are assessed again; nobody goes another way.
 
-use super::{Answer, Course, CourseRequest, Judged};
+use super::contact_facts::ContactFacts;
+use super::{Answer, Judged};
 use crate::request::RequestError;
 use damage::expected;
 use damage::world::{Doubt, World, WorldDraw};
-use damage::{CourseHarm, Interval, RankedCandidates, Risk, Scratch, rank_in};
-use scenario::members::world_coordinate;
+use damage::{CourseHarm, Criteria, Interval, RankedCandidates, Risk, Scratch, rank_in};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// How many worlds there are.
-const WORLDS: u32 = 200;
-/// How many there are in which one thing alone is drawn.
+/// How many there are at most in which one thing alone is drawn.
 const WORLDS_OF_ONE: u32 = 64;
 
 /// The worlds of an answer.
@@ -56,54 +54,60 @@ impl WorldsFound {
 
 /// What is ranked in a world.
 struct Worlds<'w> {
-    request: &'w CourseRequest<'w>,
+    criteria: &'w Criteria,
     stakes: Vec<damage::rule::Stake>,
     /// By member.
-    members: Vec<&'w [Course<'w>]>,
+    members: Vec<&'w [Vec<&'w ContactFacts>]>,
     /// Expected harm with what is nominal: the model range is that of this.
     nominal: &'w [CourseHarm],
     scratch: Scratch,
     ranking: RankedCandidates,
 }
 
-/// Ranks the candidates in all worlds; `None` if `is_due` says that there is no time.
-pub(super) fn found<'w>(
-    request: &'w CourseRequest<'w>,
-    judged: &'w Judged,
+/// Ranks the candidates in all worlds; `None` if none are asked for, or if `is_due` says that there
+/// is no time. `contacts` are those of every candidate in every member, by member; a world draws
+/// masses for so many `parties`.
+pub(super) fn found(
+    (criteria, asked): (&Criteria, scenario::Worlds),
+    judged: &Judged,
     stakes: Vec<damage::rule::Stake>,
-    drawn: &'w [Course<'w>],
+    (contacts, parties): (&[Vec<&ContactFacts>], usize),
     is_due: Option<&dyn Fn() -> bool>,
 ) -> Result<Option<WorldsFound>, RequestError> {
+    if asked.count == 0 {
+        return Ok(None);
+    }
     let candidates = judged.harms.len();
-    let parties = request.scenario.parties.len();
     let mut worlds = Worlds {
-        request,
+        criteria,
         stakes,
-        members: drawn.chunks(candidates).collect(),
+        members: contacts.chunks(candidates).collect(),
         nominal: &judged.harms,
         scratch: Scratch::default(),
         ranking: RankedCandidates::default(),
     };
     let is_late = || is_due.is_some_and(|is_due| is_due());
+    let coordinate = |number: u32, dimension: u32| asked.coordinate(number, dimension);
     let draw = |number: u32| WorldDraw {
-        restitution: world_coordinate(number, 0),
-        friction: world_coordinate(number, 1),
-        curves: Some(world_coordinate(number, 2)),
-        masses: (0..parties).map(|party| world_coordinate(number, 3 + party as u32)).collect(),
+        restitution: coordinate(number, 0),
+        friction: coordinate(number, 1),
+        curves: Some(coordinate(number, 2)),
+        masses: (0..parties).map(|party| coordinate(number, 3 + party as u32)).collect(),
     };
     let mut won = vec![0.0; candidates];
-    for number in 0..WORLDS {
+    for number in 0..asked.count {
         if is_late() {
             return Ok(None);
         }
         worlds.rank(draw(number), |winner, share| won[winner] += share)?;
     }
-    won.iter_mut().for_each(|won| *won /= f64::from(WORLDS));
+    won.iter_mut().for_each(|won| *won /= f64::from(asked.count));
     let first = judged.ranking.places.first().map_or(0, |place| place.candidate);
+    let of_one = WORLDS_OF_ONE.min(asked.count);
     let mut flips = Vec::new();
     for doubt in Doubt::ALL {
         let mut kept = 0.0;
-        for number in 0..WORLDS_OF_ONE {
+        for number in 0..of_one {
             if is_late() {
                 return Ok(None);
             }
@@ -113,13 +117,13 @@ pub(super) fn found<'w>(
                 }
             })?;
         }
-        let lost = 1.0 - kept / f64::from(WORLDS_OF_ONE);
+        let lost = 1.0 - kept / f64::from(of_one);
         if lost > 0.0 {
             flips.push(FlipRow { doubt, lost });
         }
     }
     flips.sort_by(|a, b| b.lost.total_cmp(&a.lost));
-    Ok(Some(WorldsFound { row: WorldsRow { count: WORLDS, flips }, won }))
+    Ok(Some(WorldsFound { row: WorldsRow { count: asked.count, flips }, won }))
 }
 
 impl Worlds<'_> {
@@ -130,7 +134,7 @@ impl Worlds<'_> {
         draw: WorldDraw,
         mut wins: impl FnMut(usize, f64),
     ) -> Result<(), RequestError> {
-        let criteria = &self.request.criteria;
+        let criteria = self.criteria;
         let world = World::of(draw, &criteria.parameters, &criteria.curves);
         let harms = self.harms(&world)?;
         rank_in(&mut self.scratch, &criteria.policy, &self.stakes, &harms, &mut self.ranking)?;
@@ -146,7 +150,7 @@ impl Worlds<'_> {
     fn harms(&self, world: &World) -> Result<Vec<CourseHarm>, RequestError> {
         let mut each = Vec::with_capacity(self.members.len());
         for member in &self.members {
-            let harms = member.iter().map(|course| self.course(world, course));
+            let harms = member.iter().map(|contacts| self.course(world, contacts));
             each.push(harms.collect::<Result<Vec<_>, _>>()?);
         }
         let harms = self.nominal.iter().enumerate().map(|(k, nominal)| {
@@ -163,17 +167,18 @@ impl Worlds<'_> {
     }
 
     /// The harm of one course in a world.
-    fn course(&self, world: &World, course: &Course<'_>) -> Result<CourseHarm, RequestError> {
+    fn course(
+        &self,
+        world: &World,
+        contacts: &[&ContactFacts],
+    ) -> Result<CourseHarm, RequestError> {
         let mut harm = CourseHarm::none();
-        let ego = self.request.scenario.ego.0;
-        let level = self.request.criteria.policy.outcome;
-        for contact in &course.contacts {
-            let Some(candidate) = &contact.candidate else { continue };
-            let parties = [ego, contact.meeting.party];
+        let level = self.criteria.policy.outcome;
+        for contact in contacts {
             let take = |id, risk| harm.add(id, risk);
-            let energy_j = world.assess(&candidate.encounter(), parties, level, take);
+            let energy_j = world.assess(&contact.encounter(), contact.parties, level, take);
             let energy_j = energy_j.map_err(|source| RequestError::Assess {
-                name: candidate.name.to_string(),
+                name: contact.candidate.to_string(),
                 source,
             })?;
             let before = harm.energy_j.hi();

@@ -4,7 +4,8 @@ use super::*;
 use crate::fixtures::with_policy;
 use damage::Policy;
 
-const POLICIES: [&str; 9] = [
+/// The policies that ship.
+pub(crate) const POLICIES: [&str; 9] = [
     include_str!("../../config/policies/acceptable-or-brake.toml"),
     include_str!("../../config/policies/default.toml"),
     include_str!("../../config/policies/ego-only.toml"),

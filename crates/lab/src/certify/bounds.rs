@@ -85,6 +85,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
             shells: &shells,
             criteria: requests::criteria(scenes as usize)?,
             members: scenario.members(),
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: false,
             scene: false,

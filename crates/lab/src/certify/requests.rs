@@ -101,6 +101,7 @@ impl Scene {
             shells,
             criteria,
             members: self.scenario.members(),
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: false,
             scene: false,

@@ -12,7 +12,6 @@
 
 mod advice;
 mod cells;
-mod columns;
 mod data;
 mod fitted;
 mod found;

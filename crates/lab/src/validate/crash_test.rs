@@ -210,6 +210,7 @@ impl Staged {
             shells: &shells,
             criteria: criteria.clone(),
             members: Members::NOMINAL,
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: false,
             scene: false,

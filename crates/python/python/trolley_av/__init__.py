@@ -35,6 +35,7 @@ from ._core import (
     Rankings,
     Scenario,
     Scene,
+    Searched,
     pairs,
     policy_names,
     self_pairs,
@@ -46,8 +47,8 @@ from ._plot import plot
 
 __all__ = [
     "BUILD", "Body", "FirstContact", "Hits", "InputError", "Ranking", "Rankings", "Scenario",
-    "Scene", "Segments", "Session", "TrolleyError", "check_policies", "first_contact",
-    "from_commonroad", "hits", "pairs", "plot", "policy_names", "segments", "self_pairs", "touches",
+    "Scene", "Searched", "Segments", "Session", "TrolleyError", "assess_many", "check_policies",
+    "first_contact", "from_commonroad", "hits", "pairs", "plot", "policy_names", "segments", "self_pairs", "touches",
 ]
 
 
@@ -161,6 +162,34 @@ def check_policies(files, *, curves=None):
     return _json.loads(_core.check_policies(list(files), curves=curves))
 
 
+def assess_many(searched, *, policies=None, curves=None, worlds=None, worlds_seed=0,
+                keep_going=False, threads=1):
+    """Assess scenes that were searched, under every policy with every set of curves.
+
+    No geometry is needed for that: of the members that a search followed, harm is computed anew.
+    Each answer is that of `Session.rank` of the scenario with this policy and these curves, and
+    without a deadline, byte for byte.
+
+    Args:
+        searched: `Searched` objects, from `Session.search` or `Session.search_many`.
+        policies: paths, or names of policies that ship; None: that of each scenario.
+        curves: paths of sets of curves; None: those of each scenario.
+        worlds: number of worlds to draw where all work is done; 0: none; None: 200.
+        worlds_seed: which sequence they are points of.
+        keep_going: whether scenes that cannot be assessed are reported in ``Rankings.failures``
+            instead of raised.
+        threads: how many to use; 0: one for each core.
+
+    Returns:
+        `Rankings`: of the first scene, its policies in their order, each with all curves; then of
+        the next one. The column ``scene`` of the table is the number of the scene.
+    """
+    listed = [None if given is None else list(given) for given in (policies, curves)]
+    asked = {"policies": listed[0], "curves": listed[1], "worlds": worlds,
+             "worlds_seed": worlds_seed}
+    return _core.assess_many(list(searched), asked, keep_going, threads)
+
+
 class Session:
     """Engines that rank scenarios, and keep the bodies that these have in common.
 
@@ -178,7 +207,7 @@ class Session:
         self._core = _core.Session(threads=threads, cache_mb=cache_mb)
 
     def rank(self, scenario, *, until="complete", members=None, members_max=None,
-             deadline_ms=None, explain=False, record=None):
+             deadline_ms=None, explain=False, record=None, worlds=None, worlds_seed=0):
         """Rank a scenario.
 
         Args:
@@ -190,15 +219,19 @@ class Session:
             deadline_ms: stop then, with bounds for what is open (ms).
             explain: keep every figure from contact to rank.
             record: a folder, to which a decision record is added.
+            worlds: number of worlds to draw where all work is done; 0: none; None: 200. Only
+                members are drawn worlds of.
+            worlds_seed: which sequence they are points of.
 
         Returns:
             `Ranking`. An incomplete answer is no exception: see its ``state``.
         """
         return self._ranked([scenario], None, False, until, members, members_max, deadline_ms,
-                            explain, record)[0]
+                            explain, record, worlds, worlds_seed)[0]
 
     def rank_many(self, scenarios, *, until="complete", members=None, members_max=None,
-                  deadline_ms=None, explain=False, record=None, keep_going=False):
+                  deadline_ms=None, explain=False, record=None, keep_going=False, worlds=None,
+                  worlds_seed=0):
         """Rank scenarios, on all engines, and return the rankings in the order of the scenarios.
 
         Args:
@@ -212,13 +245,14 @@ class Session:
             `Rankings`: a sequence, and an Arrow table of candidates.
         """
         return self._ranked(scenarios, None, keep_going, until, members, members_max, deadline_ms,
-                            explain, record)
+                            explain, record, worlds, worlds_seed)
 
     def rank_under(self, scenario, policies, *, until="complete", members=None, members_max=None,
                    explain=False, keep_going=False):
         """Rank a scenario under several policies, in their order.
 
-        Bodies are loaded once; contacts are found anew for each policy.
+        Bodies are loaded once; contacts are found anew for each policy. `search` and `assess_many`
+        find them once.
 
         Args:
             scenario: a `Scenario`, or the path of one.
@@ -231,13 +265,45 @@ class Session:
         """
         policies = list(policies)
         return self._ranked([scenario], policies, keep_going, until, members, members_max, None,
-                            explain, None)
+                            explain, None, None, 0)
+
+    def search(self, scenario, *, members=None, members_max=None):
+        """Search a scenario once for all that any policy and any curves may ask of it.
+
+        As many members are followed as may be drawn at most, as some policy may find its best two
+        too close to call: with 32 members that is 128 unless `members_max` says otherwise. A
+        deadline that the scenario states does not count.
+
+        Args:
+            scenario: a `Scenario`, or the path of one.
+            members, members_max: as in `rank`.
+
+        Returns:
+            `Searched`, to be assessed under many policies, curves and worlds.
+        """
+        return self.search_many([scenario], members=members, members_max=members_max)[0]
+
+    def search_many(self, scenarios, *, members=None, members_max=None):
+        """Search scenarios, on all engines, and return them in their order.
+
+        Args:
+            scenarios: `Scenario` objects or paths.
+            members, members_max: as in `rank`.
+
+        Returns:
+            A list of `Searched`.
+        """
+        return self._core.searched(_opened(scenarios), members, members_max)
 
     def _ranked(self, scenarios, policies, keep_going, until, members, members_max, deadline_ms,
-                explain, record):
-        opened = [one if isinstance(one, Scenario) else Scenario.open(one) for one in scenarios]
+                explain, record, worlds, worlds_seed):
         wanted = {
             "until": until, "members": members, "members_max": members_max,
-            "deadline_ms": deadline_ms, "explain": explain, "record": record,
+            "deadline_ms": deadline_ms, "explain": explain, "record": record, "worlds": worlds,
+            "worlds_seed": worlds_seed,
         }
-        return self._core.ranked(opened, policies, wanted, keep_going)
+        return self._core.ranked(_opened(scenarios), policies, wanted, keep_going)
+
+
+def _opened(scenarios):
+    return [one if isinstance(one, Scenario) else Scenario.open(one) for one in scenarios]

@@ -113,6 +113,16 @@ def from_commonroad(
     horizon_s: float | None = None,
 ) -> Scenario: ...
 def plot(ranking: Ranking, axes: Any = None) -> Any: ...
+def assess_many(
+    searched: Iterable[Searched],
+    *,
+    policies: Iterable[str | PathLike[str]] | None = None,
+    curves: Iterable[str | PathLike[str]] | None = None,
+    worlds: int | None = None,
+    worlds_seed: int = 0,
+    keep_going: bool = False,
+    threads: int = 1,
+) -> Rankings: ...
 def check_policies(
     files: Iterable[str | PathLike[str]], *, curves: str | PathLike[str] | None = None
 ) -> list[dict[str, Any]]: ...
@@ -169,7 +179,9 @@ class Ranking:
     @property
     def explanation(self) -> dict[str, Any] | None: ...
     @property
-    def run(self) -> dict[str, Any]: ...
+    def run(self) -> dict[str, Any] | None: ...
+    @property
+    def curves(self) -> str: ...
     @property
     def record(self) -> PathLike[str] | None: ...
 
@@ -183,6 +195,22 @@ class Rankings:
     def failures(self) -> list[tuple[int, str]]: ...
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
 
+class Searched:
+    """A scene, searched: whom every candidate meets, where and how, whatever the policy."""
+
+    @property
+    def scenario(self) -> str: ...
+    @property
+    def candidates(self) -> list[str]: ...
+    def assess(
+        self,
+        *,
+        policy: str | PathLike[str] | None = None,
+        curves: str | PathLike[str] | None = None,
+        worlds: int | None = None,
+        worlds_seed: int = 0,
+    ) -> Ranking: ...
+
 class Session:
     def __init__(self, *, threads: int = 1, cache_mb: int = 512) -> None: ...
     def rank(
@@ -195,6 +223,8 @@ class Session:
         deadline_ms: float | None = None,
         explain: bool = False,
         record: str | PathLike[str] | None = None,
+        worlds: int | None = None,
+        worlds_seed: int = 0,
     ) -> Ranking: ...
     def rank_many(
         self,
@@ -207,6 +237,8 @@ class Session:
         explain: bool = False,
         record: str | PathLike[str] | None = None,
         keep_going: bool = False,
+        worlds: int | None = None,
+        worlds_seed: int = 0,
     ) -> Rankings: ...
     def rank_under(
         self,
@@ -219,3 +251,17 @@ class Session:
         explain: bool = False,
         keep_going: bool = False,
     ) -> Rankings: ...
+    def search(
+        self,
+        scenario: Scenario | str | PathLike[str],
+        *,
+        members: int | None = None,
+        members_max: int | None = None,
+    ) -> Searched: ...
+    def search_many(
+        self,
+        scenarios: Iterable[Scenario | str | PathLike[str]],
+        *,
+        members: int | None = None,
+        members_max: int | None = None,
+    ) -> list[Searched]: ...

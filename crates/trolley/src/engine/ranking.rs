@@ -1,17 +1,20 @@
 //! Rankings of scenarios.
 
 use super::loaded::Subject;
-use super::{Begun, Engine, Recorded, applied};
-use crate::Failure;
-use crate::bodies::{OnProgress, PartyBody, SILENT};
+use super::{Begun, Engine, Recorded, Settings, applied};
+use crate::bodies::{Bodies, OnProgress, PartyBody, SILENT};
 use crate::limits::Limits;
 use crate::plausibility;
 use crate::run::{Kept, Run, Stages, milliseconds};
 use crate::scenario::Scenario;
+use crate::{Failure, FailureKind};
+use ::scenario::{Implausible, Worlds};
 use body::BodyKind;
 use coordinator::{
-    Answer, BodySet, CourseRequest, CourseRow, Explanation, PlanScene, RankedCourses,
+    Answer, Backend, BodySet, CourseRequest, CourseRow, Explanation, PlanScene, RankedCourses,
+    SearchedCourses,
 };
+use damage::Criteria;
 use runtime::clock;
 
 /// A scenario, ranked.
@@ -103,12 +106,103 @@ impl Engine {
         drawn: Option<&mut PlanScene>,
     ) -> Result<Ranking, Failure> {
         let begun_ns = clock::now_ns();
+        limits.check()?;
+        let deadline = scenario.parsed().deadline;
+        let request_limits = limits.request_limits(deadline);
+        let due_ns = request_limits.deadline_ns;
+        let is_drawn = drawn.is_some();
+        let (ranking, scene) = self.with_scene(scenario, limits, due_ns, progress, |scene| {
+            let Scene { stage, request, bodies, run, times_ns, .. } = scene;
+            let request = CourseRequest {
+                history: limits.wants_job_history(),
+                explanation: limits.wants_explanation(),
+                scene: is_drawn,
+                ..request
+            };
+            // Workers that could not finish are not used again.
+            let RankedCourses { answer, effort, reports, history, explanation, scene: picture } =
+                coordinator::rank_courses(&stage, &request, request_limits, scene.backend)?;
+            let answer = plausibility::stated(answer, scene.implausible);
+            let answered_ns = clock::now_ns();
+            let mut run = run.with_courses(&effort, reports, bodies.store().bytes().len());
+            let [loaded_ns, started_ns] = times_ns;
+            run.stages = Stages {
+                load_ms: milliseconds(loaded_ns - begun_ns),
+                plan_ms: milliseconds(effort.search_ns),
+                start_ms: milliseconds(started_ns - loaded_ns),
+                work_ms: milliseconds(effort.surveys_ns),
+                assess_ms: milliseconds(effort.judge_ns),
+                worlds_ms: milliseconds(effort.worlds_ns),
+                stop_ms: 0.0,
+            };
+            let took_ns = answered_ns.saturating_sub(effort.accepted_ns);
+            run.deadline = limits.deadline(deadline).map(|due| Kept::of(due, took_ns));
+            let recorded = history.map(|history| Recorded {
+                texts: scenario.texts.clone(),
+                files: scenario.files.clone(),
+                unknown_is_fixed: scenario.unknown_is_fixed,
+                members: request.members,
+                history,
+                settings: scene.settings.clone(),
+                bodies: bodies.recorded(&scenario.bodies(), request.models),
+            });
+            Ok((Ranking { answer, explanation, run, recorded }, picture))
+        })?;
+        if let (Some(drawn), Some(scene)) = (drawn, scene) {
+            *drawn = scene;
+        }
+        Ok(ranking)
+    }
+
+    /// Searches a scenario for all that any policy and any curves may ask of it, to be assessed
+    /// without geometry as often as wanted. It follows as many members as `limits`, or the
+    /// scenario, allow at most, so it may take longer than a ranking; a deadline that the scenario
+    /// states does not count.
+    ///
+    /// ```
+    /// use trolley::{Limits, Scenario, Worlds};
+    ///
+    /// let scenario = Scenario::open("../../config/scenarios/crossing.toml")?;
+    /// let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// let limits = Limits::default().with_members(4, Some(8))?;
+    /// let searched = engine.search(&scenario, &limits)?;
+    /// for name in trolley::policy_names() {
+    ///     let judged = scenario.clone().with_policy(trolley::read_policy(name.as_ref())?)?;
+    ///     let answer = searched.assess(judged.criteria(), Worlds::USUAL)?;
+    ///     assert_eq!(answer, engine.rank(&judged, &limits)?.answer);
+    /// }
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::rank`]; if `limits` end work early, or ask for an explanation or a record; if a
+    /// worker lost work, so that harm has bounds only.
+    pub fn search(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Searched, Failure> {
+        limits.check_search()?;
+        self.with_scene(scenario, limits, None, SILENT, |scene| {
+            let Scene { stage, request, implausible, backend, .. } = scene;
+            let courses = coordinator::search_courses(&stage, &request, backend)?;
+            let lost = || {
+                let failure = Failure::new(FailureKind::System, "work of the search was lost");
+                failure.at(scenario.file()).with_remedy("search it again, or rank it")
+            };
+            Ok(Searched { courses: courses.ok_or_else(lost)?, implausible })
+        })
+    }
+
+    /// Does work on a scenario, once its bodies are loaded and what runs jobs is ready.
+    fn with_scene<T>(
+        &mut self,
+        scenario: &Scenario,
+        limits: &Limits,
+        due_ns: Option<u64>,
+        progress: OnProgress<'_>,
+        work: impl FnOnce(Scene<'_>) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
         scenario.check_unknown()?;
         let parsed = scenario.parsed();
         let settings = applied(&parsed.engine, &self.settings.overrides)?;
-        limits.check()?;
-        let request_limits = limits.request_limits(parsed.deadline);
-        let members = limits.members(parsed.members());
         scenario.check_references()?;
         let all = scenario.bodies();
         let (unique, models) = PartyBody::unique(&all);
@@ -122,56 +216,95 @@ impl Engine {
             find: &|reference| scenario.path_of(reference),
             check_kinds: &check_kinds,
         };
-        let begun = self.begin(&subject, &settings, request_limits.deadline_ns, progress)?;
+        let begun = self.begin(&subject, &settings, due_ns, progress)?;
         let Begun { loaded, mut backend, run, loaded_ns, started_ns } = begun;
         let views = loaded.bodies.views()?;
         // Before the clock of a deadline starts.
         let implausible = plausibility::of_scenario(parsed, &views, &models);
         let stage =
             BodySet { bodies: &views, extremes: loaded.extremes.as_deref(), depth: settings.depth };
-        let (shells, criteria) = (&loaded.shells[..], scenario.criteria().clone());
         let request = CourseRequest {
             scenario: parsed,
             models: &models,
-            shells,
-            criteria,
-            members,
-            history: limits.wants_job_history(),
-            explanation: limits.wants_explanation(),
-            scene: drawn.is_some(),
+            shells: &loaded.shells,
+            criteria: scenario.criteria().clone(),
+            members: limits.members(parsed.members()),
+            worlds: limits.worlds(),
+            history: false,
+            explanation: false,
+            scene: false,
         };
-        // Workers that could not finish are not used again.
-        let RankedCourses { answer, effort, reports, history, explanation, scene } =
-            coordinator::rank_courses(&stage, &request, request_limits, &mut backend)?;
-        let answer = plausibility::stated(answer, implausible);
-        if let (Some(drawn), Some(scene)) = (drawn, scene) {
-            *drawn = scene;
-        }
-        let answered_ns = clock::now_ns();
+        let done = work(Scene {
+            stage,
+            request,
+            bodies: &loaded.bodies,
+            settings: &settings,
+            implausible,
+            run,
+            times_ns: [loaded_ns, started_ns],
+            backend: &mut backend,
+        })?;
+        drop(views);
         loaded.backend = Some(backend);
-        let mut run = run.with_courses(&effort, reports, loaded.bodies.store().bytes().len());
-        run.stages = Stages {
-            load_ms: milliseconds(loaded_ns - begun_ns),
-            plan_ms: milliseconds(effort.search_ns),
-            start_ms: milliseconds(started_ns - loaded_ns),
-            work_ms: milliseconds(effort.surveys_ns),
-            assess_ms: milliseconds(effort.judge_ns),
-            worlds_ms: milliseconds(effort.worlds_ns),
-            stop_ms: 0.0,
-        };
-        let due = limits.deadline(parsed.deadline);
-        let took_ns = answered_ns.saturating_sub(effort.accepted_ns);
-        run.deadline = due.map(|due| Kept::of(due, took_ns));
-        let recorded = history.map(|history| Recorded {
-            texts: scenario.texts.clone(),
-            files: scenario.files.clone(),
-            unknown_is_fixed: scenario.unknown_is_fixed,
-            members,
-            history,
-            settings,
-            bodies: loaded.bodies.recorded(&all, &models),
-        });
-        Ok(Ranking { answer, explanation, run, recorded })
+        Ok(done)
+    }
+}
+
+/// A scenario whose bodies are loaded, and what runs its jobs.
+struct Scene<'s> {
+    stage: BodySet<'s>,
+    request: CourseRequest<'s>,
+    bodies: &'s Bodies,
+    settings: &'s Settings,
+    implausible: Vec<Implausible>,
+    /// With nothing done yet.
+    run: Run,
+    /// When bodies were loaded, and when what runs jobs was ready (ns).
+    times_ns: [u64; 2],
+    backend: &'s mut Backend,
+}
+
+/// A scenario, searched: whom every candidate meets, where and how, whatever the policy.
+///
+/// It needs neither its engine nor bodies any more, and may be used by several threads.
+///
+/// ```
+/// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+/// # let mut engine = trolley::Engine::builder().in_process().build()?;
+/// let searched = engine.search(&scenario, &trolley::Limits::default().with_members(1, None)?)?;
+/// drop(engine);
+/// let answer = searched.assess(scenario.criteria(), trolley::Worlds::USUAL)?;
+/// assert_eq!(answer.ranking.len(), 4);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Searched {
+    courses: SearchedCourses,
+    implausible: Vec<Implausible>,
+}
+
+impl Searched {
+    /// Returns the answer under a policy and curves: that of [`Engine::rank`] of the scenario with
+    /// these and without a deadline, byte for byte. Without members no worlds are drawn.
+    ///
+    /// ```
+    /// # let scenario = trolley::Scenario::open("../../config/scenarios/small.toml")?;
+    /// # let mut engine = trolley::Engine::builder().in_process().build()?;
+    /// # let limits = trolley::Limits::default().with_members(2, Some(2))?;
+    /// # let searched = engine.search(&scenario, &limits)?;
+    /// use trolley::Worlds;
+    ///
+    /// let answer = searched.assess(scenario.criteria(), Worlds::new(50, 7)?)?;
+    /// assert_eq!(answer.worlds.map(|worlds| worlds.count), Some(50));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If a ranking had an error, or the parameters are others than those of the search.
+    pub fn assess(&self, criteria: &Criteria, worlds: Worlds) -> Result<Answer, Failure> {
+        let answer = self.courses.assess(criteria, worlds)?;
+        Ok(plausibility::stated(answer, self.implausible.clone()))
     }
 }
 

@@ -128,6 +128,7 @@ impl Record {
             shells: &shells,
             criteria: scenario.criteria().clone(),
             members: self.members()?,
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: true,
             scene: true,

@@ -41,6 +41,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
             shells: &shells,
             criteria: criteria.clone(),
             members: scenario.members(),
+            worlds: scenario::Worlds::USUAL,
             history: false,
             explanation: false,
             scene: false,

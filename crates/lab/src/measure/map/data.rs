@@ -1,12 +1,12 @@
 //! A map as data: every verdict, what placing by match pays, every point.
 
 use super::cells::Cell;
-use super::columns::{Form, Table, Value};
 use super::found::Map;
 use super::grid::BUFFER;
 use super::machine::SCHEMES;
 use super::table::{Beyond, contact};
 use super::verdict::{Verdict, best_depths, pays};
+use columns::{Form, Table, Value};
 use scenario::Scheme;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -77,7 +77,7 @@ const WHOLE: Form = Form::Whole;
 const REAL: Form = Form::Real;
 
 /// Every cell, a row each.
-pub(super) fn verdicts_table(map: &Map) -> Table<11> {
+pub(super) fn verdicts_table(map: &Map) -> Table<'static, 11> {
     let mut table = Table::new([
         ("claim", TEXT),
         ("machine", TEXT),
@@ -113,7 +113,7 @@ pub(super) fn verdicts_table(map: &Map) -> Table<11> {
 }
 
 /// What placing by match pays at every cell of the usual buffer, and the best depths there.
-pub(super) fn pays_table(map: &Map) -> Table<12> {
+pub(super) fn pays_table(map: &Map) -> Table<'static, 12> {
     let mut table = Table::new([
         ("machine", TEXT),
         ("triangles", WHOLE),
@@ -159,7 +159,7 @@ pub(super) fn pays_table(map: &Map) -> Table<12> {
 }
 
 /// Every simulated point, a row each: what `sheets` has, in one file.
-pub(super) fn points_table(map: &Map) -> Table<20> {
+pub(super) fn points_table(map: &Map) -> Table<'static, 20> {
     let mut table = Table::new([
         ("machine", TEXT),
         ("requests", TEXT),

@@ -1,60 +1,91 @@
-//! Tables of a map as Parquet, and as CSV where they are short: both from the same columns.
+//! The table, and how it is written.
 
+use diagnostic::Failure;
 use parquet::basic::Compression;
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use std::fmt::Write as _;
 use std::sync::Arc;
-use trolley::Failure;
 
 /// A value; what a row does not have is `Empty`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Value {
+pub enum Value<'r> {
+    /// None.
     Empty,
-    Text(&'static str),
+    /// A text.
+    Text(&'r str),
+    /// A whole number.
     Whole(i64),
+    /// A truth value; in CSV `true` or `false`.
+    Flag(bool),
     /// A number, and its decimals in CSV.
     Real(f64, usize),
 }
 
-impl Value {
-    pub(crate) fn text(text: Option<&'static str>) -> Self {
+impl<'r> Value<'r> {
+    /// A text, if there is one.
+    #[must_use]
+    pub fn text(text: Option<&'r str>) -> Self {
         text.map_or(Self::Empty, Self::Text)
     }
 
-    pub(crate) fn whole(number: Option<impl Into<i64>>) -> Self {
+    /// A whole number, if there is one.
+    #[must_use]
+    pub fn whole(number: Option<impl Into<i64>>) -> Self {
         number.map_or(Self::Empty, |number| Self::Whole(number.into()))
+    }
+
+    /// A number, if there is one.
+    #[must_use]
+    pub fn real(number: Option<f64>) -> Self {
+        number.map_or(Self::Empty, |number| Self::Real(number, 6))
     }
 }
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Form {
+pub enum Form {
+    /// Texts.
     Text,
+    /// Whole numbers, of 64 bits.
     Whole,
+    /// Real numbers, of 64 bits.
     Real,
+    /// Truth values.
+    Flag,
 }
 
 /// A table: its columns in order, and its rows.
 #[derive(Clone, Debug)]
-pub(crate) struct Table<const N: usize> {
+pub struct Table<'r, const N: usize> {
     columns: [(&'static str, Form); N],
-    rows: Vec<[Value; N]>,
+    rows: Vec<[Value<'r>; N]>,
 }
 
-impl<const N: usize> Table<N> {
-    pub(crate) fn new(columns: [(&'static str, Form); N]) -> Self {
+impl<'r, const N: usize> Table<'r, N> {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(columns: [(&'static str, Form); N]) -> Self {
         Self { columns, rows: Vec::new() }
     }
 
-    pub(crate) fn push(&mut self, row: [Value; N]) {
+    /// Adds a row.
+    pub fn push(&mut self, row: [Value<'r>; N]) {
         self.rows.push(row);
     }
 
-    pub(crate) fn csv(&self) -> String {
+    /// Its rows, in order.
+    #[must_use]
+    pub fn rows(&self) -> &[[Value<'r>; N]] {
+        &self.rows
+    }
+
+    /// The table as CSV. Texts are written as they are: for words without commas.
+    #[must_use]
+    pub fn csv(&self) -> String {
         let mut text = self.columns.map(|(name, _)| name).join(",");
         text.push('\n');
         for row in &self.rows {
@@ -65,6 +96,7 @@ impl<const N: usize> Table<N> {
                     Value::Empty => write!(text, "{separator}"),
                     Value::Text(word) => write!(text, "{separator}{word}"),
                     Value::Whole(number) => write!(text, "{separator}{number}"),
+                    Value::Flag(is_so) => write!(text, "{separator}{is_so}"),
                     Value::Real(number, decimals) => {
                         write!(text, "{separator}{number:.decimals$}")
                     }
@@ -80,27 +112,65 @@ impl<const N: usize> Table<N> {
     /// # Errors
     ///
     /// If a value does not have its column's form, or the library fails.
-    pub(crate) fn parquet(&self) -> Result<Vec<u8>, Failure> {
-        self.written().map_err(|error| Failure::internal(format!("Parquet: {error}")))
+    pub fn parquet(&self) -> Result<Vec<u8>, Failure> {
+        let mut writer = Writer::new(self.columns)?;
+        writer.append(self)?;
+        writer.finish()
     }
+}
 
-    fn written(&self) -> Result<Vec<u8>, ParquetError> {
-        let columns: Vec<String> = self
-            .columns
+/// A Parquet file that is written piece by piece, so that no more than a piece is in memory beside
+/// the file's bytes.
+pub struct Writer<const N: usize> {
+    columns: [(&'static str, Form); N],
+    file: SerializedFileWriter<Vec<u8>>,
+}
+
+impl<const N: usize> Writer<N> {
+    /// A file without rows.
+    ///
+    /// # Errors
+    ///
+    /// If the library fails.
+    pub fn new(columns: [(&'static str, Form); N]) -> Result<Self, Failure> {
+        let schema: Vec<String> = columns
             .iter()
             .map(|(name, form)| match form {
                 Form::Text => format!("optional binary {name} (UTF8);"),
                 Form::Whole => format!("optional int64 {name};"),
                 Form::Real => format!("optional double {name};"),
+                Form::Flag => format!("optional boolean {name};"),
             })
             .collect();
-        let schema = parse_message_type(&format!("message map {{ {} }}", columns.join(" ")))?;
+        let schema = parse_message_type(&format!("message table {{ {} }}", schema.join(" ")));
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        let mut bytes = Vec::new();
-        let mut writer =
-            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
-        for rows in self.rows.chunks(ROWS) {
-            let mut group = writer.next_row_group()?;
+        let file = schema.and_then(|schema| {
+            SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))
+        });
+        Ok(Self { columns, file: file.map_err(failed)? })
+    }
+
+    /// Adds the rows of a table of the same columns.
+    ///
+    /// # Errors
+    ///
+    /// As [`Table::parquet`].
+    pub fn append(&mut self, table: &Table<'_, N>) -> Result<(), Failure> {
+        self.appended(table).map_err(failed)
+    }
+
+    /// The bytes of the file.
+    ///
+    /// # Errors
+    ///
+    /// If the library fails.
+    pub fn finish(self) -> Result<Vec<u8>, Failure> {
+        self.file.into_inner().map_err(failed)
+    }
+
+    fn appended(&mut self, table: &Table<'_, N>) -> Result<(), ParquetError> {
+        for rows in table.rows.chunks(ROWS) {
+            let mut group = self.file.next_row_group()?;
             for (number, (name, form)) in self.columns.iter().enumerate() {
                 let wrong = || ParquetError::General(format!("a value of {name} is no {form:?}"));
                 let values = rows.iter().map(|row| row[number]);
@@ -133,65 +203,35 @@ impl<const N: usize> Table<N> {
                         let real = real.collect::<Result<Vec<_>, _>>()?;
                         column.typed::<DoubleType>().write_batch(&real, Some(&levels), None)?;
                     }
+                    Form::Flag => {
+                        let flags = filled.map(|value| match value {
+                            Value::Flag(is_so) => Ok(is_so),
+                            _ => Err(wrong()),
+                        });
+                        let flags = flags.collect::<Result<Vec<_>, _>>()?;
+                        column.typed::<BoolType>().write_batch(&flags, Some(&levels), None)?;
+                    }
                 }
                 column.close()?;
             }
             group.close()?;
         }
-        writer.close()?;
-        Ok(bytes)
+        Ok(())
     }
 }
 
+fn failed(error: ParquetError) -> Failure {
+    Failure::internal(format!("Parquet: {error}"))
+}
+
 /// Rows of a row group.
-const ROWS: usize = 100_000;
+pub(crate) const ROWS: usize = 100_000;
 
 #[cfg(test)]
 mod tests {
-    //! What is written is read back, value by value; what does not fit its column is refused.
+    //! CSV has the same rows, and what does not fit its column is refused.
 
     use super::*;
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-    use std::io::Write as _;
-
-    #[test]
-    fn a_table_is_read_back_with_its_gaps() {
-        let columns = [("name", Form::Text), ("count", Form::Whole), ("share", Form::Real)];
-        let mut table = Table::new(columns);
-        // More than one row group.
-        for row in 0..ROWS as i64 + 7 {
-            let is_there = row % 3 != 1;
-            table.push([
-                Value::text(is_there.then_some("a")),
-                Value::whole(is_there.then_some(row)),
-                if is_there { Value::Real(row as f64 / 3.0, 4) } else { Value::Empty },
-            ]);
-        }
-        let mut file = tempfile::tempfile().expect("a file");
-        file.write_all(&table.parquet().expect("it is written")).expect("room");
-        let reader = SerializedFileReader::new(file).expect("it is Parquet");
-        assert_eq!(reader.num_row_groups(), 2);
-        let mut count = 0;
-        for (row, written) in reader.into_iter().zip(&table.rows) {
-            let row = row.expect("a row");
-            for ((_, field), value) in row.get_column_iter().zip(written) {
-                let is_same = match (field, value) {
-                    (Field::Null, Value::Empty) => true,
-                    (Field::Str(read), Value::Text(word)) => read == word,
-                    (Field::Long(read), Value::Whole(number)) => read == number,
-                    (Field::Double(read), Value::Real(number, _)) => read == number,
-                    _ => false,
-                };
-                assert!(is_same, "{field:?} {value:?}");
-            }
-            count += 1;
-        }
-        assert_eq!(count, table.rows.len());
-        let mut wrong = Table::new(columns);
-        wrong.push([Value::Empty, Value::Real(1.0, 0), Value::Empty]);
-        assert!(wrong.parquet().is_err(), "a real number is no whole one");
-    }
 
     #[test]
     fn csv_has_the_same_rows() {
@@ -199,5 +239,14 @@ mod tests {
         table.push([Value::Text("a"), Value::Real(0.25, 1)]);
         table.push([Value::Empty, Value::Empty]);
         assert_eq!(table.csv(), "name,share\na,0.2\n,\n");
+    }
+
+    #[test]
+    fn a_value_of_another_form_is_refused() {
+        for form in [Form::Text, Form::Whole, Form::Flag] {
+            let mut wrong = Table::new([("x", form)]);
+            wrong.push([Value::Real(1.0, 0)]);
+            assert!(wrong.parquet().is_err(), "{form:?}");
+        }
     }
 }
