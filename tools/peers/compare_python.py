@@ -491,6 +491,41 @@ def ranking(folder):
     return min(gates) >= 10
 
 
+def assessments():
+    """What an assessment of a searched scene takes, beside a ranking."""
+    print("## Assessments\n")
+    print("CPU time, for a scene as above, in a session that has its bodies: a search, of as many "
+          "members as some policy may ask for (128 where 32 are asked for); an assessment under "
+          "one of nine policies, from `assess_many`; the same without worlds; and a ranking under "
+          "one of them, from `rank_under`. Medians of three. Assessments and rankings give equal "
+          "bytes.\n")
+    row("candidates", "members", "search", "assessment", "without worlds", "ranking",
+        "ranking ÷ assessment", "nine rankings ÷ search and nine assessments")
+    row("--:", "--:", "--:", "--:", "--:", "--:", "--:", "--:")
+    names = ta.policy_names()
+    for count in (2, 7):
+        scenario = ta.Scenario.parse(candidates(count))
+        for members in (1, 32):
+            session = ta.Session()
+            session.rank(scenario, members=1)
+            once, each, bare, fresh = [], [], [], []
+            for _ in range(ROUNDS):
+                searched, took = spent(lambda: session.search(scenario, members=members))
+                once.append(took)
+                assessed, took = spent(lambda: ta.assess_many([searched], policies=names))
+                each.append(took / len(names))
+                _, took = spent(lambda: ta.assess_many([searched], policies=names, worlds=0))
+                bare.append(took / len(names))
+                ranked, took = spent(lambda: session.rank_under(scenario, names, members=members))
+                fresh.append(took / len(names))
+                assert [one.json for one in assessed] == [one.json for one in ranked], "they differ"
+            once, each, bare, fresh = map(statistics.median, (once, each, bare, fresh))
+            both = len(names) * fresh / (once + len(names) * each)
+            row(count, members, *map(time_of, (once, each, bare, fresh)), f"{fresh / each:.1f}",
+                f"{both:.1f}")
+    print()
+
+
 def threads():
     """What two threads cost and gain."""
     os.sched_setaffinity(0, ALL)
@@ -530,6 +565,7 @@ def main():
     listed(peers)
     with tempfile.TemporaryDirectory() as folder:
         held &= ranking(folder)
+    assessments()
     threads()
     sys.exit(not held)
 

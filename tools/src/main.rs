@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod count;
 mod deb;
+mod engines;
 mod faults;
 mod gallery;
 mod inputs;
@@ -126,6 +127,11 @@ enum Task {
     /// Needs python3 with venv, and an index of packages for pip. CI does not run it: `cargo x
     /// check` builds the crate, this its wheel.
     Wheel(wheel::Options),
+    /// Have every engine run one study, kill Ray nodes and drivers, and compare all rows.
+    ///
+    /// As root, with python3, an index of packages, unshare and ip: Ray runs in a network namespace
+    /// of its own. The page is tools/results/study/engines.md.
+    Engines(engines::Options),
 }
 
 fn main() -> Result<ExitCode> {
@@ -152,5 +158,6 @@ fn main() -> Result<ExitCode> {
         Task::Needs(options) => safety::run(&options),
         Task::Gallery(options) => gallery::run(&options),
         Task::Wheel(options) => wheel::run(&options),
+        Task::Engines(options) => engines::run(&options),
     }
 }

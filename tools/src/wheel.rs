@@ -134,7 +134,7 @@ fn compare(
 }
 
 /// Has maturin build the one wheel of a folder.
-fn built_wheel(build: &Environment, package: &Path, folder: &Path) -> Result<PathBuf> {
+pub(crate) fn built_wheel(build: &Environment, package: &Path, folder: &Path) -> Result<PathBuf> {
     if folder.is_dir() {
         fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
@@ -155,26 +155,31 @@ fn step(what: &str) -> Result<()> {
 }
 
 /// What makes environments.
-struct Python<'p> {
-    program: &'p Path,
-    folder: &'p Path,
+pub(crate) struct Python<'p> {
+    pub(crate) program: &'p Path,
+    pub(crate) folder: &'p Path,
 }
 
 /// Whether an environment is kept from run to run.
 #[derive(PartialEq)]
-enum Kept {
+pub(crate) enum Kept {
     Yes,
     No,
 }
 
 /// A virtual environment.
-struct Environment {
-    folder: PathBuf,
+pub(crate) struct Environment {
+    pub(crate) folder: PathBuf,
 }
 
 impl Python<'_> {
     /// An environment with these packages.
-    fn environment(&self, name: &str, packages: &[&str], kept: Kept) -> Result<Environment> {
+    pub(crate) fn environment(
+        &self,
+        name: &str,
+        packages: &[&str],
+        kept: Kept,
+    ) -> Result<Environment> {
         let folder = self.folder.join(name);
         if kept == Kept::No && folder.is_dir() {
             fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -190,14 +195,14 @@ impl Python<'_> {
 }
 
 impl Environment {
-    fn install(&self, packages: &[&str]) -> Result<()> {
+    pub(crate) fn install(&self, packages: &[&str]) -> Result<()> {
         let mut pip = Command::new(self.folder.join("bin/python"));
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
         output(pip.args(packages)).map(drop).context("pip could not install what is needed")
     }
 
     /// Python as somebody has it who has no Rust: nothing but the system and this environment.
-    fn command(&self, arguments: &[&str], program: &Path) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str], program: &Path) -> Command {
         let mut command = Command::new(self.folder.join("bin/python"));
         let path = format!("{}:/usr/bin:/bin", self.folder.join("bin").display());
         command.args(arguments).env_clear().env("PATH", path).env("TROLLEY", program);

@@ -20,6 +20,7 @@ mod scenario;
 mod scene;
 mod searched;
 mod session;
+mod study;
 #[cfg(feature = "arrow")]
 mod table;
 
@@ -44,6 +45,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(searched::assess_many, module)?)?;
     module.add_function(wrap_pyfunction!(scenario::policy_names, module)?)?;
     module.add_function(wrap_pyfunction!(scenario::check_policies, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_run_shard, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_status, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_check, module)?)?;
     module.add("BUILD", trolley::BUILD)?;
     Ok(())
 }

@@ -23,7 +23,7 @@ pub(crate) struct SearchedScene {
 
 /// What scenes are assessed by.
 #[derive(FromPyObject)]
-struct Asked {
+pub(crate) struct Asked {
     #[pyo3(item)]
     policies: Option<Vec<PathBuf>>,
     #[pyo3(item)]
