@@ -27,6 +27,10 @@ pub use found::{BEAT_TESTS, QueryWatch};
 /// each other, all boxes of each against the other leaf, and all triangles.
 pub const STEP_TESTS: u64 = (2 * boxes::LEAF_MAX * boxes::LEAF_MAX + 2 * boxes::LEAF_MAX) as u64;
 
+/// The most of a budget that one step spends: its tests, and what else its pairs cost.
+pub const STEP_SPENT: u64 =
+    STEP_TESTS + found::PAIR_TESTS * (boxes::LEAF_MAX * boxes::LEAF_MAX) as u64;
+
 /// The budget for [`Kernel::run`] with which a job's tests never exceed the larger of `budget` and
 /// one step: the budget is checked after each step.
 #[must_use]
@@ -146,6 +150,15 @@ pub struct Outcome {
     pub zones_b: u16,
     /// Supports of the contact, in A's frame, in metres; empty except for `Pairs` with directions.
     pub supports: Supports,
+}
+
+impl Outcome {
+    /// What was spent of the budget: all tests, and the other costs of intersecting pairs. It is
+    /// below the budget, or exceeds it by less than [`STEP_SPENT`].
+    #[must_use]
+    pub fn spent(&self) -> u64 {
+        self.counters.tests() + found::PAIR_TESTS * self.pairs
+    }
 }
 
 /// Scratch for jobs, allocated once.

@@ -71,7 +71,7 @@ pub(crate) enum Command {
     #[command(after_help = crate::top::EXAMPLES)]
     Top(crate::top::TopArgs),
     /// Check this machine for what the service needs, and say how to fix what is missing.
-    Doctor,
+    Doctor(crate::doctor::DoctorArgs),
     /// Import scenarios from recorded or written traffic.
     Scenario {
         #[command(subcommand)]

@@ -1,46 +1,41 @@
-//! `trolley doctor`: what this machine lacks for the service, and the remedy.
+//! `trolley doctor`: what this machine lacks for the service, and the remedy; and what a deployment
+//! takes of it.
 
 use crate::output::Output;
 use crate::print;
-use serde::Serialize;
-use std::fmt::Write as _;
+use crate::reference_args::ReferenceArgs;
+use clap::Args;
+use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::doctor::{self, Finding, FindingLevel};
-use trolley::{BUILD, Failure, FailureKind};
+use trolley::doctor::{DeploymentBounds, Report};
+use trolley::{Failure, FailureKind, OpenDeployment};
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: &'static str,
-    build: &'static str,
-    findings: &'a [Finding],
+/// What to check besides this machine.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DoctorArgs {
+    /// Compute what this deployment takes, and bound its times by what jobs cost here.
+    #[arg(long, value_name = "FILE")]
+    deployment: Option<PathBuf>,
+    /// Jobs that are made to be dear, to measure what they cost: more find dearer ones.
+    #[arg(long, value_name = "N", requires = "deployment", default_value_t = 20_000)]
+    jobs: u64,
+    /// As for a service without workers.
+    #[arg(long, requires = "deployment")]
+    in_process: bool,
+    #[command(flatten)]
+    references: ReferenceArgs,
 }
 
-pub(crate) fn run(output: &Output) -> Result<ExitCode, Failure> {
-    let findings = doctor::look();
+pub(crate) fn run(args: &DoctorArgs, output: &Output) -> Result<ExitCode, Failure> {
+    let find = |file: &PathBuf| {
+        let opened = OpenDeployment::open_with(file, None, args.references.references())?;
+        DeploymentBounds::find(&opened, args.jobs, args.in_process)
+    };
+    let report = Report::with(args.deployment.as_ref().map(find).transpose()?);
     if output.json {
-        let document = Document { schema: "trolley.doctor/1", build: BUILD, findings: &findings };
-        print::out(&print::json(&document)?)?;
+        print::out(&print::json(&report)?)?;
     } else {
-        print::lines(&page(&findings))?;
+        print::lines(&report.to_string())?;
     }
-    let has_problem = findings.iter().any(|finding| finding.level == FindingLevel::Problem);
-    Ok(if has_problem { FailureKind::CheckFailed.into() } else { ExitCode::SUCCESS })
-}
-
-fn page(findings: &[Finding]) -> String {
-    let mut text = String::new();
-    for Finding { subject, level, found, remedy } in findings {
-        let mark = match level {
-            FindingLevel::Ok => "ok",
-            FindingLevel::Note => "note",
-            FindingLevel::Problem => "PROBLEM",
-        };
-        // Writing to a string cannot fail.
-        let _ok = writeln!(text, "{mark:<8} {subject:<16} {found}");
-        if !remedy.is_empty() {
-            let _ok = writeln!(text, "{:25} → {remedy}", "");
-        }
-    }
-    text
+    Ok(if report.has_problem() { FailureKind::CheckFailed.into() } else { ExitCode::SUCCESS })
 }

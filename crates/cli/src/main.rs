@@ -89,7 +89,7 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Serve(options) => serve::run(options, &args.output()),
         Command::Query(options) => query::run(options, &args.output()),
         Command::Top(options) => top::run(options, &args.output()),
-        Command::Doctor => doctor::run(&args.output()),
+        Command::Doctor(asked) => doctor::run(asked, &args.output()),
         Command::Schema { report: true } => print::out(::report::document::schema().trim_end()),
         Command::Schema { report: false } => print::out(&scenario::schema()),
         Command::Completions { shell } => {

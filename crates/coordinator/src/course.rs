@@ -432,7 +432,7 @@ impl Judged {
 
 /// Contacts that are surveyed together, at most: what is known of each takes a bit for each
 /// triangle of both bodies.
-const PART_MAX: usize = 128;
+pub(crate) const PART_MAX: usize = 128;
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).
 const SAYING_NS: u64 = 1_000_000;
 /// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only

@@ -25,6 +25,7 @@ mod bound;
 mod candidate_state;
 mod course;
 mod explain;
+mod extent;
 #[cfg(test)]
 mod fixtures;
 mod gather;
@@ -55,6 +56,7 @@ pub use course::{
 #[cfg(any(test, feature = "faults"))]
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};
 pub use explain::{ContactChain, PersonChain, PolicyStep, Separation};
+pub use extent::RequestExtent;
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use request::RequestError;
@@ -64,7 +66,8 @@ pub use work::{Effort, PartOf, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;
 pub use worker_pool::{
-    Duty, Hardware, IdleHook, Incident, Mended, MissingRequirement, Observation, Options,
-    WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, preflight, seal,
+    Duty, FILES, FILES_PER_WORKER, Hardware, IdleHook, Incident, Mended, MissingRequirement,
+    Observation, Options, WorkerPool, WorkerPoolError, WorkerPoolReport, WorkerReport, link_sizes,
+    preflight, seal,
 };
 pub use workspace::{Backend, BodySet, RunError};

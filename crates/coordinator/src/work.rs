@@ -327,7 +327,7 @@ impl<'w> SurveyRun<'w> {
 const ZONES_DEEPER: u32 = 3;
 
 /// Maximum number of jobs of a request: what exceeds it stays open.
-const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
+pub(crate) const SLOTS_MAX: usize = 4 * bvh::front::PAIRS_MAX;
 
 fn pose_of(wire: &WireTask) -> RelativePose {
     RelativePose { rotation: wire.rotation, translation: wire.translation }

@@ -37,7 +37,7 @@ pub use incident::{Incident, Observation};
 pub use inject::Corruption;
 pub use mend::Mended;
 pub use options::Options;
-pub use preflight::{MissingRequirement, preflight};
+pub use preflight::{FILES, FILES_PER_WORKER, MissingRequirement, link_sizes, preflight};
 pub use report::{Duty, Hardware, WorkerPoolReport, WorkerReport};
 
 use crate::work::{PartOf, TaskSource};

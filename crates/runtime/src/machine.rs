@@ -24,6 +24,15 @@ pub fn resident_bytes() -> Option<u64> {
     Some(pages * rustix::param::page_size() as u64)
 }
 
+/// Bytes of memory that new programs can take without swapping; `None` if the kernel does not say.
+#[must_use]
+pub fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib << 10)
+}
+
 /// Bytes that can still be written to the file system of this path.
 ///
 /// # Errors
@@ -52,6 +61,7 @@ mod tests {
         assert!(files_open().unwrap() >= files.len());
         assert!(files_max().is_none_or(|most| most >= 50));
         assert!(resident_bytes().unwrap() > 100_000);
+        assert!(available_bytes().is_none_or(|bytes| bytes > 1_000_000));
         assert!(free_bytes("/dev/shm").is_ok());
         assert!(free_bytes("/no/such/path").is_err());
         let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap();

@@ -93,6 +93,9 @@ impl Members {
     /// candidates wrongly is measured in `tools/results/members.md`.
     pub const USUAL: Self = Self { count: 32, most: 128 };
 
+    /// More are never drawn.
+    pub const LIMIT: u32 = limit::MEMBERS.most as u32;
+
     /// How many are the most where nothing is said.
     #[must_use]
     pub fn usual_most(count: u32) -> u32 {

@@ -71,7 +71,18 @@ pub(crate) fn check(
         return refuse(Reason::OtherModels, text);
     }
     let members = live::members(ask.members, ask.members_max, deployment.members);
-    let members = members.map_err(Whose::Request.beyond())?;
+    let mut members = members.map_err(Whose::Request.beyond())?;
+    let limit = deployment.members_limit;
+    if ask.members_max == 0 {
+        members.most = members.most.min(limit).max(members.count);
+    }
+    if members.most > limit {
+        let text = format!(
+            "the request: {} members, and this service follows {limit} at most",
+            members.most
+        );
+        return refuse(Reason::OutOfRange, text);
+    }
     let horizon_s = live::horizon_s(ask.horizon_s).map_err(Whose::Request.beyond())?;
     let resolution_m = live::resolution_m(ask.resolution_m).map_err(Whose::Request.beyond())?;
     let request = Request { ask, horizon_s };

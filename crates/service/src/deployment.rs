@@ -48,6 +48,9 @@ pub struct Deployment {
     pub engine: EngineSettings,
     /// In how many members requests that do not say it are followed.
     pub members: Members,
+    /// In how many members a request may ask to be followed at most: what it takes from the heap
+    /// grows with them.
+    pub members_limit: u32,
     /// Requests that may wait; more are answered *busy*.
     pub queue: usize,
     /// What the service does while it is idle.
@@ -219,6 +222,7 @@ struct Raw {
     parameters: Option<PathBuf>,
     members: Option<i64>,
     members_max: Option<i64>,
+    members_limit: Option<i64>,
     queue: Option<i64>,
     #[serde(default)]
     idle: Idle,
@@ -360,6 +364,12 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
     let members =
         Members::new(raw.members.unwrap_or(i64::from(Members::USUAL.count)), raw.members_max)
             .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
+    let members_limit = raw.members_limit.unwrap_or(Members::LIMIT.into());
+    if !(i64::from(members.most)..=Members::LIMIT.into()).contains(&members_limit) {
+        let fault = format!("members_limit is {members_limit}");
+        let help = format!("members_limit may be members_max ({}) to 1024", members.most);
+        return wrong("members_limit", fault, &help);
+    }
     let engine = EngineSettings::DEFAULT
         .apply(&raw.engine)
         .map_err(|misfit| (misfit.setting, misfit.what, misfit.remedy))?;
@@ -400,6 +410,7 @@ fn check(raw: Raw) -> Result<Deployment, Misfit> {
         parameters: raw.parameters,
         engine,
         members,
+        members_limit: members_limit as u32,
         queue,
         idle: raw.idle,
         realtime: raw.realtime,

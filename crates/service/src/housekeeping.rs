@@ -18,7 +18,7 @@ use std::thread::JoinHandle;
 use transport::service::Housekeeper;
 
 /// Capacity of the queue of decisions to write.
-const WAITING: usize = 256;
+pub(crate) const WAITING: usize = 256;
 /// Interval between cleanups after dead clients (ns): as often as a client may be replaced by hand.
 const CLEAN_NS: u64 = 500_000_000;
 /// How long one cleanup may take (ns) before its process is killed.

@@ -3,6 +3,7 @@
 //! iceoryx2's own variant for processes keeps memory under names in /dev/shm, where every user may
 //! plant a name, and gives one of its files to all users. This one differs in the storage alone.
 
+use crate::kept::Kept;
 use crate::segment::Segment;
 use core::fmt::Debug;
 use iceoryx2::service::Service;
@@ -11,7 +12,6 @@ use iceoryx2::unique_id_generator::unique_system_id::UniqueSystemId;
 use iceoryx2_bb_elementary_traits::testing::abandonable::Abandonable;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use iceoryx2_bb_lock_free::mpmc::counting_bit_set::RelocatableCountingBitSet;
-use iceoryx2_cal::arc_sync_policy::single_threaded::SingleThreaded;
 use iceoryx2_cal::event::trigger::State;
 use iceoryx2_cal::event::trigger::unix_datagram_socket::GenericUnixDatagramSocketTrigger;
 use iceoryx2_cal::resizable_shared_memory::dynamic::DynamicMemory;
@@ -44,7 +44,7 @@ impl Service for Ipc {
     >;
     type Monitoring = monitoring::recommended::Ipc;
     type Reactor = reactor::recommended::Ipc;
-    type ArcThreadSafetyPolicy<T: Send + Debug + Abandonable> = SingleThreaded<T>;
+    type ArcThreadSafetyPolicy<T: Send + Debug + Abandonable> = Kept<T>;
     type BlackboardMgmt<T: Send + Sync + Debug + ZeroCopySend + 'static> = Segment<T>;
     type BlackboardPayload = Pool<BumpAllocator>;
     type UniqueId = UniqueSystemId;

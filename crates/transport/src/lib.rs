@@ -24,7 +24,8 @@
 //!   [`SegmentReserve`].
 //! - The answer to every iceoryx2 question is written out in [`link`] and [`domain`]; its
 //!   configuration files are never read.
-//! - Once connected there is one heap allocation per loan, made by iceoryx2 0.10.
+//! - Once connected a loan allocates nothing: what iceoryx2 makes for each lies in memory that is
+//!   kept (`kept.rs`).
 //!
 //! This crate does not know what jobs and results are, nor when a peer is dead: its pidfd and the
 //! status page show that.
@@ -35,6 +36,7 @@ pub mod domain;
 pub mod error;
 pub mod folder;
 mod ipc;
+mod kept;
 pub mod link;
 mod place;
 pub mod receiver;

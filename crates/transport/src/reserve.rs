@@ -19,6 +19,10 @@ use std::fs::File;
 const MANAGEMENT_BYTES: usize = 128 << 10;
 
 impl Sizes {
+    /// Segments of a link: of each of its channels a pool, a connection and what both ends have in
+    /// common; and one of both nodes.
+    pub const SEGMENTS: usize = 2 * 3 + 1;
+
     /// Bytes of shared memory that both ends of one link take, at most.
     #[must_use]
     pub fn link_bytes(&self) -> usize {

@@ -18,6 +18,7 @@
 //! - No call blocks. A client that vanished costs its request, nothing else: `service/tests.rs`.
 
 mod client;
+mod extent;
 mod housekeeper;
 mod listener;
 mod notify_socket;
@@ -28,6 +29,7 @@ mod tests;
 mod wire;
 
 pub use client::{ClientPort, Pending};
+pub use extent::{shared_bytes, shared_segments};
 pub use housekeeper::Housekeeper;
 pub use listener::TopicSubscriber;
 pub use notify_socket::{Notice, NotifySocket};

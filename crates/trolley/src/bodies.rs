@@ -85,6 +85,7 @@ pub fn build_options(engine: &EngineSettings) -> BuildOptions {
 #[derive(Debug)]
 pub struct Bodies {
     store: SealedMemory,
+    largest_bytes: usize,
     hashes: Vec<String>,
     source_hashes: Vec<Option<String>>,
 }
@@ -149,7 +150,8 @@ impl Bodies {
         let hashes = files.iter().map(hash).collect::<Result<_, _>>()?;
         let store = coordinator::seal(&files)?;
         let source_hashes = bodies.iter().map(|body| body.source_hash.clone()).collect();
-        Ok(Self { store, hashes, source_hashes })
+        let largest_bytes = files.iter().map(|file| file.len()).max().unwrap_or(0);
+        Ok(Self { store, largest_bytes, hashes, source_hashes })
     }
 
     /// Loads or generates the body of every party of a scenario, builds its tree as the scenario
@@ -277,6 +279,11 @@ impl Bodies {
     #[must_use]
     pub fn store(&self) -> &SealedMemory {
         &self.store
+    }
+
+    /// Bytes of the largest model file in it.
+    pub(crate) fn largest_bytes(&self) -> usize {
+        self.largest_bytes
     }
 
     /// The bodies of a scenario's parties as a record names them; party i has body `models[i]`.

@@ -13,9 +13,18 @@
 //! }
 //! ```
 
+mod adversary;
+mod cost;
+mod deployment;
+
+pub use cost::{Costs, KindCost};
+pub use deployment::{DeploymentBounds, TimeBound};
+pub use service::{Footprint, ProcessBound};
+
 use crate::BUILD;
 use runtime::{affinity, realtime};
 use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
 use std::fs;
 
 /// Shared memory that a service of four workers and sixteen clients takes at most (bytes).
@@ -73,6 +82,75 @@ fn finding(
 ) -> Finding {
     let remedy = if level == FindingLevel::Ok { String::new() } else { remedy.to_owned() };
     Finding { subject, level, found: found.into(), remedy }
+}
+
+/// Everything that was found: about this machine, and about a deployment on it.
+///
+/// ```
+/// let report = trolley::doctor::Report::with(None);
+/// assert!(report.to_string().contains("cores"));
+/// println!("something is missing: {}", report.has_problem());
+/// ```
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    schema: &'static str,
+    build: &'static str,
+    /// About this machine.
+    pub findings: Vec<Finding>,
+    /// About a deployment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deployment: Option<DeploymentBounds>,
+}
+
+impl Report {
+    /// Checks this machine, beside what was found about a deployment.
+    ///
+    /// ```
+    /// let report = trolley::doctor::Report::with(None);
+    /// assert!(!report.findings.is_empty() && report.deployment.is_none());
+    /// ```
+    #[must_use]
+    pub fn with(deployment: Option<DeploymentBounds>) -> Self {
+        Self { schema: "trolley.doctor/1", build: BUILD, findings: look(), deployment }
+    }
+
+    /// Whether the service, or the deployment, cannot work here or cannot keep its promises.
+    ///
+    /// ```
+    /// # use trolley::doctor::{FindingLevel, Report};
+    /// let report = Report::with(None);
+    /// let is_problem = |found: &trolley::doctor::Finding| found.level == FindingLevel::Problem;
+    /// assert_eq!(report.has_problem(), report.findings.iter().any(is_problem));
+    /// ```
+    #[must_use]
+    pub fn has_problem(&self) -> bool {
+        let of_deployment = self.deployment.iter().flat_map(|bounds| &bounds.findings);
+        let mut all = self.findings.iter().chain(of_deployment);
+        all.any(|finding| finding.level == FindingLevel::Problem)
+    }
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.findings.iter().try_for_each(|finding| finding.fmt(f))?;
+        self.deployment.iter().try_for_each(|bounds| write!(f, "\n{bounds}"))
+    }
+}
+
+impl Display for Finding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { subject, level, found, remedy } = self;
+        let mark = match level {
+            FindingLevel::Ok => "ok",
+            FindingLevel::Note => "note",
+            FindingLevel::Problem => "PROBLEM",
+        };
+        writeln!(f, "{mark:<8} {subject:<16} {found}")?;
+        if !remedy.is_empty() {
+            writeln!(f, "{:25} → {remedy}", "")?;
+        }
+        Ok(())
+    }
 }
 
 /// Checks the machine that this process runs on, with the rights that it has.

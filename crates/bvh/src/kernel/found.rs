@@ -18,7 +18,7 @@ pub type QueryWatch<'w> = &'w mut dyn FnMut(u64) -> ControlFlow<()>;
 
 /// The cost, in tests, of recording an intersecting pair and measuring its contact along all
 /// directions: a budget stands for time, and with many hits most of the time is spent on them.
-const PAIR_TESTS: u64 = 24;
+pub(super) const PAIR_TESTS: u64 = 24;
 
 /// Why a job ends before everything is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

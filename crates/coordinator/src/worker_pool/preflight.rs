@@ -38,10 +38,10 @@ impl Diagnostic for MissingRequirement {
 }
 
 /// File descriptors that the coordinator needs besides those of its workers.
-const FILES: u64 = 48;
+pub const FILES: u64 = 48;
 /// File descriptors for each worker, more than one was seen to use (see
 /// `tests/processes/inject.rs`).
-const FILES_PER_WORKER: u64 = 40;
+pub const FILES_PER_WORKER: u64 = 40;
 /// Shared memory for each worker besides its messages (bytes): iceoryx2's own segments.
 const SHM_PER_WORKER: u64 = 512 << 10;
 
@@ -106,12 +106,18 @@ pub fn preflight(options: &Options) -> Vec<MissingRequirement> {
 
 /// What the channels of a worker hold.
 pub(super) fn sizes(options: &Options) -> Sizes {
-    let batch = options.queues.batch as usize;
-    let words = protocol::job::batch_words(batch, batch);
+    let sizes = link_sizes(options.queues.batch as usize, options.queues.capacity as usize);
     let chunk = if options.copies { protocol::launch::CHUNK_WORDS } else { 0 };
+    Sizes { job_words: sizes.job_words.max(chunk), ..sizes }
+}
+
+/// What the channels of a worker hold, with batches of so many jobs and so many jobs on their way,
+/// where nothing is copied.
+#[must_use]
+pub fn link_sizes(batch: usize, queue: usize) -> Sizes {
     Sizes {
-        job_words: words.max(chunk),
-        job_queue: options.queues.capacity as usize,
+        job_words: protocol::job::batch_words(batch, batch),
+        job_queue: queue,
         result_words: protocol::launch::RESULT_WORDS,
         result_queue: protocol::launch::RESULTS,
     }

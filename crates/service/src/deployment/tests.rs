@@ -17,7 +17,7 @@ fn the_deployments_that_are_shipped_are_accepted() {
     assert!(quad.realtime.priority > quad.realtime.worker_priority);
     assert_eq!(Deployment::parse("dual-core.toml", DUAL).unwrap().engine.workers, 2);
     for deployment in [&minimal, &quad] {
-        assert_eq!(deployment.members, Members::USUAL);
+        assert_eq!((deployment.members, deployment.members_limit), (Members::USUAL, 1024));
     }
 }
 
@@ -63,6 +63,8 @@ fn every_mistake_is_named_with_its_place_and_a_remedy() {
         ("[engine]", "members = 8\nmembers_max = 4\n[engine]", "members_max is 4"),
         ("[engine]", "members_max = 4\n[engine]", "members_max is 4, and members is 32"),
         ("[engine]", "members = 1\nmembers_max = 4\n[engine]", "nothing is drawn"),
+        ("[engine]", "members_limit = 127\n[engine]", "members_limit is 127"),
+        ("[engine]", "members_limit = 1025\n[engine]", "members_max (128) to 1024"),
         ("[engine]", "group = -1\n[engine]", "-1 is not a group"),
         ("[engine]", "group = true\n[engine]", "true is not a group"),
         ("[engine]", "[realtime]\npriority = 100\n[engine]", "priority is 100"),

@@ -2,7 +2,7 @@
 
 use super::server::{rank, wake};
 use super::wire::{self, read_once, write_used};
-use super::{Address, lend_node, place};
+use super::{Address, extent, lend_node, place};
 use crate::domain;
 use crate::error::{OpenError, UseError};
 use crate::ipc::Ipc;
@@ -49,7 +49,7 @@ impl ClientPort {
         let port = rank
             .client_builder()
             .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .max_active_requests(1)
+            .max_active_requests(extent::ASKED)
             .create()
             .map_err(|error| match error {
                 ClientCreateError::ExceedsMaxSupportedClients => full(),

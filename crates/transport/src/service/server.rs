@@ -2,7 +2,7 @@
 
 use super::place::ServicePlace;
 use super::wire::{self, read_request};
-use super::{Address, Housekeeper, LISTENERS_MAX, NODES_MAX};
+use super::{Address, Housekeeper, LISTENERS_MAX, NODES_MAX, extent};
 use crate::domain;
 use crate::error::{OpenError, UseError};
 use crate::ipc::Ipc;
@@ -54,7 +54,7 @@ impl Server {
         let port = rank
             .server_builder()
             .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .max_loaned_responses_per_request(1)
+            .max_loaned_responses_per_request(extent::LOANS)
             .create()
             .map_err(OpenError::at("serve", RANK))?;
         let wake_fd = wake.listener_builder().create().map_err(OpenError::at("listen at", WAKE))?;
@@ -187,7 +187,6 @@ impl TakenRequest {
     ///
     /// [`UseError::Broken`] if the client has gone.
     pub fn answer(self, answer: &WireAnswer) -> Result<(), UseError> {
-        // One heap allocation, made by iceoryx2 for the loan.
         match self.request.send_copy(wire::WireAnswer(*answer)) {
             Ok(_) => Ok(()),
             Err(_) => Err(UseError::Broken),
@@ -209,12 +208,10 @@ pub(super) fn rank(node: &Node<Ipc>) -> Result<Service, OpenError> {
         .max_servers(1)
         .max_clients(CLIENTS_MAX)
         .max_nodes(NODES_MAX)
-        // A client has one request at a time; the second is one that it gave up and that is still
-        // being worked on.
-        .max_active_requests_per_client(2)
-        .max_loaned_requests(1)
-        .max_response_buffer_size(1)
-        .max_borrowed_responses_per_pending_response(1)
+        .max_active_requests_per_client(extent::ACTIVE)
+        .max_loaned_requests(extent::LOANS)
+        .max_response_buffer_size(extent::ANSWERS)
+        .max_borrowed_responses_per_pending_response(extent::BORROWS)
         .enable_safe_overflow_for_requests(false)
         .enable_safe_overflow_for_responses(false)
         // Fire-and-forget requests are not used here, and are dropped. But without this option
@@ -252,8 +249,8 @@ where
         .max_subscribers(LISTENERS_MAX)
         .max_nodes(NODES_MAX)
         .history_size(0)
-        .subscriber_max_buffer_size(4)
-        .subscriber_max_borrowed_samples(1)
+        .subscriber_max_buffer_size(extent::SAMPLES)
+        .subscriber_max_borrowed_samples(extent::BORROWS)
         // A slow listener misses the oldest samples; the publisher never waits.
         .enable_safe_overflow(true)
         .open_or_create()
@@ -269,7 +266,7 @@ where
 {
     topic
         .publisher_builder()
-        .max_loaned_samples(1)
+        .max_loaned_samples(extent::LOANS)
         .backpressure_strategy(BackpressureStrategy::DiscardData)
         .create()
         .map_err(OpenError::at("publish", name))

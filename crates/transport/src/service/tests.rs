@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::error::UseError;
-use protocol::public::{Ask, Health, Reason, WireAnswer, WireState};
+use protocol::public::{Ask, CLIENTS_MAX, Health, Reason, WireAnswer, WireState};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A folder of its own, and an instance that no other test has.
@@ -267,4 +267,29 @@ fn a_request_that_finds_no_room_is_not_sent() {
     let pending = client.ask(&numbered(9)).unwrap();
     server.take().unwrap().unwrap().answer(&refused(9)).unwrap();
     assert_eq!(pending.receive().unwrap(), Some(refused(9)));
+}
+
+/// What the service computes for a deployment is what there is when everybody is connected.
+#[test]
+fn a_service_shares_what_is_computed_with_every_client_and_listener() {
+    use std::os::unix::fs::MetadataExt as _;
+    let scene = Scene::new();
+    let server = Server::open(&scene.address).unwrap();
+    let clients = (0..CLIENTS_MAX).map(|_| ClientPort::open(&scene.address).unwrap());
+    let clients: Vec<_> = clients.collect();
+    let listeners = (0..LISTENERS_MAX).map(|_| TopicSubscriber::open(&scene.address).unwrap());
+    let listeners: Vec<_> = listeners.collect();
+    // Only with a request of each are all channels open at both ends.
+    let asked: Vec<_> = clients.iter().map(|client| client.ask(&numbered(1)).unwrap()).collect();
+    while server.take().unwrap().is_some() {}
+    server.publish_ranking(&refused(0));
+    let files = scene.left();
+    let taken = |file: &String| std::fs::symlink_metadata(file).map_or(0, |at| at.blocks() * 512);
+    let bytes: u64 = files.iter().map(taken).sum();
+    let bound = shared_bytes() as u64;
+    assert!(bytes <= bound && bound <= bytes + bytes / 4, "{bytes} bytes of {bound}");
+    let endings = [".data", ".connection", ".dynamic", ".event_mgmt", ".global_mgmt"];
+    let is_segment = |file: &&String| endings.iter().any(|ending| file.ends_with(ending));
+    assert_eq!(files.iter().filter(is_segment).count(), shared_segments());
+    drop((asked, clients, listeners, server));
 }
