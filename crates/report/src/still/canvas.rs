@@ -106,8 +106,11 @@ impl Canvas {
         let letters: Vec<char> = cut(text);
         let width = (letters.len() * get_raster_width(FontWeight::Regular, LETTERS)) as f64;
         let height = LETTERS.val() as f64;
-        let tries = (0..10).flat_map(|ring| {
-            let by = by + 0.8 * height * f64::from(ring);
+        let step = 0.8 * height;
+        // As far away as half the picture is long.
+        let rings = 1 + (0.5 * self.size[0].max(self.size[1]) as f64 / step) as u32;
+        let tries = (0..rings).flat_map(|ring| {
+            let by = by + step * f64::from(ring);
             [
                 [x - 0.5 * width, y - by - height],
                 [x - 0.5 * width, y + by],
