@@ -208,3 +208,6 @@ impl Shift {
         if self.speed == 1.0 { Ok(()) } else { motion::faster(motion, self.speed) }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,7 +39,7 @@ pub fn report(dir: &Path, out: &Path, told: &dyn Fn(u64, u64)) -> Result<Vec<Pat
     let plan = Plan::open(dir)?;
     if plan.answers() > ANSWERS_MAX {
         let what = format!("{} answers are more than a page is made of", plan.answers());
-        return Err(Failure::setting(what).with_remedy("read the tables: trolley help study"));
+        return Err(Failure::setting(what).with_remedy("read the tables: trolley help studies"));
     }
     let mut gathered = Gathered::new(&plan);
     for shard in 0..plan.shards() {

@@ -22,7 +22,7 @@ const NAME_MAX: usize = 60;
 
 const KEYS: &str = "a study has schema, name, policies, [[recordings]] or [[scenarios]], and may \
                     have curves, parameters, members, members_max, worlds, scenes_per_shard, candidates, \
-                    persons and [sweep.NAME]: trolley help study";
+                    persons and [sweep.NAME]: trolley help studies";
 
 /// Of what there are rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, serde::Serialize)]
@@ -371,3 +371,6 @@ impl Reader<'_> {
         Ok(values.into_iter().map(|value| value + 0.0).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;
