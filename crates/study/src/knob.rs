@@ -37,6 +37,9 @@ const ERRORS: [&str; 4] = ["lateral_m", "longitudinal_m", "yaw_deg", "speed_shar
 /// The greatest that a scenario may state.
 const ERRORS_MAX: [f64; 4] = [10.0, 10.0, 90.0, 0.5];
 
+/// The horizon where a scenario states none (s).
+const HORIZON_S: f64 = 5.0;
+
 impl Knob {
     /// All, in the order of [`Knob`]'s variants.
     pub const ALL: [Self; 5] =
@@ -97,7 +100,10 @@ impl Knob {
                 let yaw_rad = motion::begin(way)?.yaw_rad;
                 motion::moved(way, [-value * libm::sin(yaw_rad), value * libm::cos(yaw_rad)])
             }),
-            Self::Reaction => each_way(scenario, |way| motion::later(way, value)),
+            Self::Reaction => {
+                let horizon_s = scenario.get("horizon_s").and_then(number).unwrap_or(HORIZON_S);
+                each_way(scenario, |way| motion::later(way, value, horizon_s))
+            }
             Self::ErrorSigma => elsewhere(scenario, value),
             Self::Errors => {
                 let ego = ego(scenario);

@@ -146,7 +146,8 @@ pub(super) fn faster(motion: &mut Table, times: f64) -> Result<(), String> {
 }
 
 /// Lets a motion begin so much later (s), where it is by then, straight on from where it is at 0.
-pub(super) fn later(motion: &mut Table, delay_s: f64) -> Result<(), String> {
+/// States after the first one beyond the horizon say nothing any more, and are left out.
+pub(super) fn later(motion: &mut Table, delay_s: f64, horizon_s: f64) -> Result<(), String> {
     if let Some(state) = single(motion, "state") {
         if get(state, "yaw_rate_deg_s", 0.0) == 0.0 {
             return Ok(());
@@ -177,6 +178,10 @@ pub(super) fn later(motion: &mut Table, delay_s: f64) -> Result<(), String> {
         states.insert(0, straight(delay_s));
     }
     states.insert(0, straight(0.0));
+    let time_s = |state: &Value| state.as_table().map_or(0.0, |state| get(state, "t_s", 0.0));
+    if let Some(last) = states.iter().position(|state| time_s(state) >= horizon_s) {
+        states.truncate(last + 1);
+    }
     if states.len() > STATES_MAX {
         return Err(format!(
             "with a state more it has {}, and a path holds {STATES_MAX}",

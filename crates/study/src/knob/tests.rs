@@ -120,6 +120,22 @@ fn a_late_reaction_is_the_same_way_later_from_where_the_ego_is_then() {
 }
 
 #[test]
+fn a_way_with_as_many_states_as_a_path_holds_may_begin_later() {
+    let states: Vec<String> = (0..64)
+        .map(|k| format!("{{ t_s = {}, position_m = [{k}, 0, 0] }}", f64::from(k) / 21.0))
+        .collect();
+    let begin = SCENE.rfind("path = {").unwrap();
+    let text = format!("{}path = {{ states = [{}] }}", &SCENE[..begin], states.join(", "));
+    let mut table: Table = toml::from_str(&text).unwrap();
+    let given = table.clone();
+    Knob::Reaction.set(0.2, &mut table).unwrap();
+    for time_s in [0.0, 0.5, 1.0, 2.0, 2.7] {
+        let [x, y] = swerves(&given, time_s);
+        assert_near(swerves(&table, time_s + 0.2), [x + 4.2, y]);
+    }
+}
+
+#[test]
 fn an_error_puts_others_where_their_deviations_say_and_leaves_the_ego() {
     let shifted = parsed(&set(Knob::ErrorSigma, 2.0));
     let given = parsed(&table());
