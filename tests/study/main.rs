@@ -6,7 +6,7 @@
 mod support;
 
 use ::trolley::{Engine, Limits, Scenario};
-use columns::{Column, read};
+use columns::{ReadColumn, read};
 use geometry::rng::Rng;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -106,7 +106,7 @@ impl Planned {
         self.dir.join("shards").join(format!("{shard:06}"))
     }
 
-    fn column(&self, shard: u32, name: &str) -> Column {
+    fn column(&self, shard: u32, name: &str) -> ReadColumn {
         let file = File::open(self.shard(shard).join("answers.parquet")).unwrap();
         let [column] = read(file, [name]).unwrap();
         column

@@ -25,13 +25,13 @@ paths = [{ states = [
 
 [[candidates]]
 name = "on"
-state = { position_m = [0, 0, 0], speed_m_s = 9 }
+state = { position_m = [0, 0, 0], yaw_deg = 5, speed_m_s = 9 }
 reactions = { other = { state = { position_m = [30, 0, 0], yaw_deg = 90, speed_m_s = 4 } } }
 
 [[candidates]]
 name = "swerve"
 path = { states = [
-  { t_s = -0.5, position_m = [-5, 0, 0], yaw_deg = 0 },
+  { t_s = -0.5, position_m = [-5, 0, 0] },
   { t_s = 0.5, position_m = [5, 0, 0], yaw_deg = 10 },
   { t_s = 1.5, position_m = [14, 3, 0], yaw_deg = 20 },
 ] }
@@ -41,7 +41,7 @@ fn table() -> Table {
     toml::from_str(SCENE).unwrap()
 }
 
-fn set(knob: Knob, value: f64) -> Table {
+fn set(knob: SweepKnob, value: f64) -> Table {
     let mut table = table();
     knob.set(value, &mut table).unwrap();
     table
@@ -71,14 +71,14 @@ fn assert_near(a: [f64; 2], b: [f64; 2]) {
 
 #[test]
 fn the_value_of_the_scene_as_given_changes_nothing() {
-    for knob in Knob::ALL {
+    for knob in SweepKnob::ALL {
         assert_eq!(set(knob, knob.given()), table(), "{}", knob.name());
     }
 }
 
 #[test]
 fn every_value_within_the_limits_gives_a_scenario() {
-    for knob in Knob::ALL {
+    for knob in SweepKnob::ALL {
         let [least, most] = knob.limits();
         for share in [0.0, 0.1, 0.35, 0.5, 0.8, 1.0] {
             parsed(&set(knob, least + share * (most - least)));
@@ -88,9 +88,11 @@ fn every_value_within_the_limits_gives_a_scenario() {
 
 #[test]
 fn what_is_undone_is_as_given() {
-    for (knob, value, back) in
-        [(Knob::Speed, 1.25, 0.8), (Knob::Offset, 0.75, -0.75), (Knob::ErrorSigma, 1.5, -1.5)]
-    {
+    for (knob, value, back) in [
+        (SweepKnob::Speed, 1.25, 0.8),
+        (SweepKnob::Offset, 0.75, -0.75),
+        (SweepKnob::ErrorSigma, 1.5, -1.5),
+    ] {
         let mut table = set(knob, value);
         assert_ne!(parsed(&table), parsed(&self::table()), "{}", knob.name());
         knob.set(back, &mut table).unwrap();
@@ -109,7 +111,7 @@ fn what_is_undone_is_as_given() {
 
 #[test]
 fn a_late_reaction_is_the_same_way_later_from_where_the_ego_is_then() {
-    let late = set(Knob::Reaction, 0.8);
+    let late = set(SweepKnob::Reaction, 0.8);
     // 10 m/s at time 0: straight on until 0.8 s, and 8 m further from then on.
     assert_near(swerves(&late, 0.0), swerves(&table(), 0.0));
     assert_near(swerves(&late, 0.4), [4.0, 0.0]);
@@ -121,14 +123,22 @@ fn a_late_reaction_is_the_same_way_later_from_where_the_ego_is_then() {
 
 #[test]
 fn a_way_with_as_many_states_as_a_path_holds_may_begin_later() {
-    let states: Vec<String> = (0..64)
-        .map(|k| format!("{{ t_s = {}, position_m = [{k}, 0, 0] }}", f64::from(k) / 21.0))
-        .collect();
+    a_full_way_begins_later(21.0);
+    // All of it before the horizon: one state is left out, where it matters least.
+    a_full_way_begins_later(32.0);
+}
+
+fn a_full_way_begins_later(per_s: f64) {
+    let state = |k: i32| {
+        let time_s = f64::from(k) / per_s;
+        format!("{{ t_s = {time_s}, position_m = [{}, 0, 0], yaw_deg = 5 }}", 21.0 * time_s)
+    };
+    let states: Vec<String> = (0..64).map(state).collect();
     let begin = SCENE.rfind("path = {").unwrap();
     let text = format!("{}path = {{ states = [{}] }}", &SCENE[..begin], states.join(", "));
     let mut table: Table = toml::from_str(&text).unwrap();
     let given = table.clone();
-    Knob::Reaction.set(0.2, &mut table).unwrap();
+    SweepKnob::Reaction.set(0.2, &mut table).unwrap();
     for time_s in [0.0, 0.5, 1.0, 2.0, 2.7] {
         let [x, y] = swerves(&given, time_s);
         assert_near(swerves(&table, time_s + 0.2), [x + 4.2, y]);
@@ -137,7 +147,7 @@ fn a_way_with_as_many_states_as_a_path_holds_may_begin_later() {
 
 #[test]
 fn an_error_puts_others_where_their_deviations_say_and_leaves_the_ego() {
-    let shifted = parsed(&set(Knob::ErrorSigma, 2.0));
+    let shifted = parsed(&set(SweepKnob::ErrorSigma, 2.0));
     let given = parsed(&table());
     assert_eq!(shifted.candidates[0].ego, given.candidates[0].ego);
     let position = |scene: &scenario::Scenario, name: &str| {
@@ -153,10 +163,10 @@ fn an_error_puts_others_where_their_deviations_say_and_leaves_the_ego() {
 fn what_a_sweep_cannot_change_is_refused_by_name() {
     let turning = SCENE.replace("speed_m_s = 9", "speed_m_s = 9, yaw_rate_deg_s = 3");
     let mut table: Table = toml::from_str(&turning).unwrap();
-    let fault = Knob::Reaction.set(0.5, &mut table).unwrap_err();
+    let fault = SweepKnob::Reaction.set(0.5, &mut table).unwrap_err();
     assert!(fault.starts_with("candidate \"on\": "), "{fault}");
     let csv = SCENE.replace("paths = [{ states", "paths = [{ csv = \"a.csv\", x");
     let mut table: Table = toml::from_str(&csv).unwrap();
-    let fault = Knob::ErrorSigma.set(1.0, &mut table).unwrap_err();
+    let fault = SweepKnob::ErrorSigma.set(1.0, &mut table).unwrap_err();
     assert!(fault.starts_with("party \"other\": its path is a CSV file"), "{fault}");
 }

@@ -12,14 +12,14 @@ speed = { from = 0.8, to = 1.2, count = 5 }
 offset_m = { values = [-1, 0, 1] }
 "#;
 
-fn parsed(text: &str) -> Result<Spec, Failure> {
-    Spec::parse("spec.toml", text.to_owned())
+fn parsed(text: &str) -> Result<StudySpec, Failure> {
+    StudySpec::parse("spec.toml", text.to_owned())
 }
 
 #[test]
 fn a_range_has_its_ends_and_a_list_its_values() {
     let spec = parsed(RIGHT).unwrap();
-    let [(Knob::Speed, speeds), (Knob::Offset, offsets)] = &spec.sweeps[..] else {
+    let [(SweepKnob::Speed, speeds), (SweepKnob::Offset, offsets)] = &spec.sweeps[..] else {
         panic!("{:?}", spec.sweeps)
     };
     assert_eq!((speeds.len(), speeds[0], speeds[4]), (5, 0.8, 1.2));
