@@ -6,19 +6,20 @@ use clap::Subcommand;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use study::{BrokenShard, Checked, RunOptions, Status};
+use study::RunOptions;
 use trolley::{Failure, FailureKind};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
-  trolley study plan tools/study/small.toml -o small
-  trolley study run small --jobs 2
-  trolley study run small --shard 3
-  trolley study check small
-  trolley study report small -o small.html
-  trolley study scene small 500 -o scene && trolley rank scene/scenario.toml
+  trolley study plan config/examples/study.toml -o studies/two
+  trolley study run studies/two --jobs 2
+  trolley study run studies/two --shard 1
+  trolley study check studies/two
+  trolley study report studies/two -o study.html
+  trolley study scene studies/two 100 -o studies/scene
+  trolley rank studies/scene/scenario.toml
 
-A study begins with a file that says what to sweep: trolley help study. Each shard may be run by
+A study begins with a file that says what to sweep: trolley help studies. Each shard may be run by
 whoever has the folder: --shard $SLURM_ARRAY_TASK_ID, --shard $JOB_COMPLETION_INDEX. What was
 stopped goes on where it was: run it again.";
 
@@ -27,7 +28,7 @@ stopped goes on where it was: run it again.";
 pub(crate) enum Verb {
     /// Read a specification and all that it names, and write the folder of a study.
     Plan {
-        /// Specification, TOML: see `trolley help study`.
+        /// Specification, TOML: see `trolley help studies`.
         spec: PathBuf,
         /// Folder to write.
         #[arg(short, long, value_name = "DIR")]
@@ -94,7 +95,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
         Verb::Run { dir, jobs, memory_mb, .. } => all_shards(dir, *jobs, *memory_mb, output),
         Verb::Status { dir } => {
             let status = study::status(dir)?;
-            shown(&status, || said(&status), output)
+            shown(&status, || status.text(), output)
         }
         Verb::Check { dir, keep } => check(dir, *keep, output),
         Verb::Report { dir, out } => {
@@ -170,15 +171,11 @@ fn all_shards(
     let told = |done, total| progress.set(done, total);
     let done = study::run(dir, &RunOptions { program, jobs, memory_bytes }, &told)?;
     drop(progress);
+    for (shard, why) in &done.failed {
+        output.say(&format!("Shard {shard} is not finished: {why}"));
+    }
     let status = study::status(dir)?;
-    let text = || {
-        let mut text = said(&status);
-        for (shard, why) in &done.failed {
-            text += &format!("\nShard {shard} is not finished: {why}");
-        }
-        text
-    };
-    let code = shown(&status, text, output)?;
+    let code = shown(&status, || status.text(), output)?;
     Ok(if done.failed.is_empty() { code } else { FailureKind::System.into() })
 }
 
@@ -186,34 +183,6 @@ fn check(dir: &Path, keep: bool, output: &Output) -> Result<ExitCode, Failure> {
     let progress = output.progress("shards");
     let checked = study::check(dir, !keep, &|done, total| progress.set(done, total))?;
     drop(progress);
-    let Checked { shards, sound, absent, broken } = &checked;
-    let text = || {
-        let mut text = format!("{sound} of {shards} shards are sound, {absent} not finished.");
-        for BrokenShard { shard, faults, is_redone } in broken {
-            let redone = if *is_redone { ", ranked again" } else { "" };
-            text += &format!("\nShard {shard}{redone}: {}", faults.join("; "));
-        }
-        text
-    };
-    let code = shown(&checked, text, output)?;
-    Ok(if broken.is_empty() { code } else { FailureKind::CheckFailed.into() })
-}
-
-/// How far a study is, in lines.
-fn said(status: &Status) -> String {
-    let Status { shards, finished, broken, scenes, scenes_finished, rows, refused, .. } = status;
-    let mut text = format!(
-        "{}: {finished} of {shards} shards, {scenes_finished} of {scenes} scenes\n\
-         rows       {} answers ({refused} refused), {} candidates, {} persons\n\
-         attempts   {}, {} processes died of a scene\n\
-         study      {}",
-        status.name, rows[0], rows[1], rows[2], status.attempts, status.deaths, status.study
-    );
-    if *broken > 0 {
-        text += &format!("\nbroken     {broken} shards: trolley study check");
-    }
-    if let Some(hash) = &status.rows_hash {
-        text += &format!("\nrows hash  {hash}");
-    }
-    text
+    let code = shown(&checked, || checked.text(), output)?;
+    Ok(if checked.broken.is_empty() { code } else { FailureKind::CheckFailed.into() })
 }

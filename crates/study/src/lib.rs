@@ -34,12 +34,12 @@ mod shard;
 mod spec;
 mod status;
 
-pub use knob::Knob;
+pub use knob::SweepKnob;
 pub use plan::{Plan, SceneKey, plan};
 pub use report::report;
 pub use rows::TABLES_SCHEMA;
 pub use run::{RunDone, RunOptions, run, work};
 pub use scene::{WrittenScene, write_scene};
 pub use shard::{Runner, ShardDone, run_shard};
-pub use spec::Kept;
+pub use spec::RowSelection;
 pub use status::{BrokenShard, Checked, Status, check, status};

@@ -26,7 +26,7 @@ struct Recorded {
     files: Option<[String; 2]>,
 }
 
-/// Writes the page of a study to `out`, and beside it, in a folder of the same name, the records of
+/// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`, the records of
 /// the worst cases with a page each; returns what was written. Shards that are not finished are left
 /// out, and the page says so. `told` hears of shards that were read, of all.
 ///
@@ -39,7 +39,7 @@ pub fn report(dir: &Path, out: &Path, told: &dyn Fn(u64, u64)) -> Result<Vec<Pat
     let plan = Plan::open(dir)?;
     if plan.answers() > ANSWERS_MAX {
         let what = format!("{} answers are more than a page is made of", plan.answers());
-        return Err(Failure::setting(what).with_remedy("read the tables: trolley help study"));
+        return Err(Failure::setting(what).with_remedy("read the tables: trolley help studies"));
     }
     let mut gathered = Gathered::new(&plan);
     for shard in 0..plan.shards() {
@@ -60,8 +60,13 @@ pub fn report(dir: &Path, out: &Path, told: &dyn Fn(u64, u64)) -> Result<Vec<Pat
     }
     gathered.finish(&plan);
     let mut written = vec![out.to_owned()];
-    let mut recorded = Vec::new();
+    let mut recorded: Vec<Recorded> = Vec::new();
     for worst in gathered.worst() {
+        let known = recorded.iter().find(|known| known.worst.row == worst.row);
+        if let Some(files) = known.map(|known| known.files.clone()) {
+            recorded.push(Recorded { worst, files });
+            continue;
+        }
         let found = record(&plan, &worst, out).unwrap_or_else(|failure| {
             tracing::warn!(row = worst.row, %failure, "a worst case has no record");
             None
@@ -92,7 +97,8 @@ fn record(plan: &Plan, worst: &Worst, out: &Path) -> Result<Option<[PathBuf; 2]>
     if !same {
         return Ok(None);
     }
-    let folder = out.with_extension("");
+    let title = out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let folder = out.with_file_name(format!("{title}-records"));
     let folder = folder.join(format!("row-{}", worst.row));
     make(&folder)?;
     // A record is added to those that are there; this one stands alone.

@@ -10,7 +10,7 @@ use crate::ranker::Ranker;
 use crate::rows::{self, ANSWERS, CANDIDATES, PERSONS, Row, Tables};
 use crate::scene::Scenes;
 use crate::seal::{self, Broken, SEAL, Seal, SealedFile, TABLES};
-use columns::Writer;
+use columns::TableWriter;
 use runtime::machine;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -146,9 +146,9 @@ fn done(seal: &Seal, was_finished: bool) -> ShardDone {
 struct ShardWriter {
     seal: Seal,
     hasher: [blake3::Hasher; 3],
-    answers: Writer<38>,
-    candidates: Writer<18>,
-    persons: Writer<9>,
+    answers: TableWriter<38>,
+    candidates: TableWriter<18>,
+    persons: TableWriter<9>,
 }
 
 impl ShardWriter {
@@ -156,9 +156,9 @@ impl ShardWriter {
         Ok(Self {
             seal: Seal::new(plan, shard, scenes),
             hasher: [const { () }; 3].map(|()| blake3::Hasher::new()),
-            answers: Writer::new(ANSWERS)?,
-            candidates: Writer::new(CANDIDATES)?,
-            persons: Writer::new(PERSONS)?,
+            answers: TableWriter::new(ANSWERS)?,
+            candidates: TableWriter::new(CANDIDATES)?,
+            persons: TableWriter::new(PERSONS)?,
         })
     }
 

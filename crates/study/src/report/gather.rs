@@ -3,10 +3,10 @@
 //! Memory: a byte for each answer (who wins), counts, and the worst few. The measure of every
 //! candidate is held for one scene at a time.
 
-use crate::knob::Knob;
+use crate::knob::SweepKnob;
 use crate::plan::Plan;
 use crate::seal;
-use columns::{Column, read};
+use columns::{ReadColumn, read};
 use runtime::InputKind;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -71,6 +71,8 @@ pub(super) struct Worst {
 pub(super) struct Gathered {
     pub(super) scenes: u64,
     pub(super) shards: u32,
+    /// Sets of curves, which vary fastest.
+    curves: usize,
     /// Per judge: policies, curves varying fastest.
     pub(super) judged: Vec<Judged>,
     /// Per pair of judges: in how many scenes their winners differ.
@@ -110,6 +112,7 @@ impl Gathered {
         Self {
             scenes: 0,
             shards: 0,
+            curves: plan.file().curves.len().max(1),
             judged: vec![Judged::default(); judges],
             differ: vec![vec![0; judges]; judges],
             differ_by_input: vec![vec![0; inputs]; judges],
@@ -195,7 +198,7 @@ impl Gathered {
                 value,
                 other: None,
             };
-            keep(self.worst_harm.entry(input).or_default(), worst, 1);
+            retain_worst(self.worst_harm.entry(input).or_default(), worst, 1);
         }
         self.close(open);
         self.shards += 1;
@@ -212,14 +215,19 @@ impl Gathered {
         }
         self.decided += 1;
         self.scenes_by_input[open.input] += 1;
-        self.any_differ += u64::from(open.winners.iter().any(|winner| *winner != open.winners[0]));
+        // Policies alone: with the first set of curves.
+        let mut main = open.winners.iter().step_by(self.curves);
+        self.any_differ += u64::from(main.any(|winner| *winner != open.winners[0]));
         for a in 0..judges {
+            let is_main = a % self.curves == 0;
             if open.winners[a] != open.winners[0] {
                 self.differ_by_input[a][open.input] += 1;
             }
             for b in 0..judges {
                 self.differ[a][b] += u64::from(open.winners[a] != open.winners[b]);
-                self.regret(&open, a, b);
+                if is_main && b % self.curves == 0 {
+                    self.regret(&open, a, b);
+                }
             }
         }
     }
@@ -245,7 +253,7 @@ impl Gathered {
                 value: regret,
                 other: open.winners[a].clone().map(|winner| (a, winner)),
             };
-            keep(&mut self.worst_regret, worst, 64);
+            retain_worst(&mut self.worst_regret, worst, 64);
         }
     }
 
@@ -294,7 +302,7 @@ impl Gathered {
     }
 
     /// The share of pairs of scenes one step apart in which the winner flips, of one judge.
-    pub(super) fn flip_share(&self, plan: &Plan, knob: Knob, judge: usize) -> Option<f64> {
+    pub(super) fn flip_share(&self, plan: &Plan, knob: SweepKnob, judge: usize) -> Option<f64> {
         let number = plan.file().sweeps.iter().position(|sweep| sweep.knob == knob)?;
         let Flips { flips, pairs } = self.along[number][judge];
         (pairs > 0).then(|| flips as f64 / pairs as f64)
@@ -302,7 +310,7 @@ impl Gathered {
 }
 
 /// Keeps the greatest few of a kind, the greatest first; equal ones in the order of their rows.
-fn keep(list: &mut Vec<Worst>, worst: Worst, most: usize) {
+fn retain_worst(list: &mut Vec<Worst>, worst: Worst, most: usize) {
     if list.len() >= most && list.last().is_some_and(|last| last.value >= worst.value) {
         return;
     }
@@ -329,7 +337,7 @@ fn add(sum: &mut (f64, u64), value: Option<f64>) {
     }
 }
 
-fn whole(column: &Column, row: usize) -> u64 {
+fn whole(column: &ReadColumn, row: usize) -> u64 {
     column.whole(row).and_then(|number| u64::try_from(number).ok()).unwrap_or(0)
 }
 
@@ -338,7 +346,7 @@ fn table<const N: usize>(
     folder: &Path,
     name: &str,
     columns: [&str; N],
-) -> Result<[Column; N], Failure> {
+) -> Result<[ReadColumn; N], Failure> {
     let path = folder.join(format!("{name}.parquet"));
     let (file, _) = runtime::input::open(&path, InputKind::Model)?;
     read(file, columns).map_err(|failure| failure.at(path.display()))

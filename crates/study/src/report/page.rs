@@ -3,7 +3,7 @@
 use super::Recorded;
 use super::gather::{Gathered, Judged, NOBODY, Regret};
 use super::maps;
-use crate::knob::Knob;
+use crate::knob::SweepKnob;
 use crate::plan::Plan;
 use crate::seal::short;
 use report::{escape, framed};
@@ -30,12 +30,14 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &P
     );
     body += &lead(plan, gathered, &judges);
     body += &policies(gathered, &judges);
-    body += &differ(gathered, &judges);
-    body += &where_they_differ(plan, gathered, &judges);
-    body += &flips(plan, gathered, &judges);
-    body += &regret(gathered, &judges);
+    let main = principal(plan);
+    body += &differ(gathered, &judges, &main);
+    body += &where_they_differ(plan, gathered, &judges, &main);
+    body += &flips(plan, gathered, &judges, &main);
+    body += &other_curves(plan, gathered);
+    body += &regret(gathered, &judges, &main);
     body += &worst_cases(plan, worst, &judges);
-    body += &winner_maps(plan, gathered, &judges);
+    body += &winner_maps(plan, gathered, &judges, &main);
     body += &inputs(plan, gathered);
     body += &made(plan, gathered, out);
     framed(plan.name(), &body, STYLE, "")
@@ -53,6 +55,38 @@ fn judges(plan: &Plan) -> Vec<String> {
         }
     }
     all
+}
+
+/// The judges that have the first set of curves.
+fn principal(plan: &Plan) -> Vec<usize> {
+    let curves = plan.file().curves.len().max(1);
+    (0..plan.file().policies.len()).map(|policy| policy * curves).collect()
+}
+
+/// What another set of curves changes, policy by policy.
+fn other_curves(plan: &Plan, gathered: &Gathered) -> String {
+    let file = plan.file();
+    let Some((first, others)) = file.curves.split_first().filter(|(_, others)| !others.is_empty())
+    else {
+        return String::new();
+    };
+    let mut text = format!(
+        "<h2>What another harm model changes</h2><p>The share of scenes in which another manoeuvre \
+         wins under the same policy with these curves in place of {}.</p><div class=\"wide\">\
+         <table><tr><th>Curves</th>",
+        escape(&first.name)
+    );
+    text += &head(&file.policies.iter().map(|policy| policy.name.as_str()).collect::<Vec<_>>());
+    text += "</tr>";
+    for (number, curves) in (1..).zip(others) {
+        let cells = principal(plan)
+            .into_iter()
+            .map(|judge| cell(&percent(gathered.differ[judge][judge + number], gathered.decided)));
+        let cells: String = cells.collect();
+        let _w = write!(text, "<tr><td>{}</td>{cells}</tr>", escape(&curves.name));
+    }
+    text += "</table></div>";
+    text
 }
 
 fn thousands(number: u64) -> String {
@@ -98,12 +132,16 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
     let mut text = String::new();
     let refused: u64 = gathered.judged.iter().map(|judged| judged.refused).sum();
     let answers: u64 = gathered.judged.iter().map(|judged| judged.answers).sum();
+    let sets = match plan.file().curves.len() {
+        1 => String::new(),
+        sets => format!(" with each of {sets} sets of curves"),
+    };
     let _w = write!(
         text,
-        "<p class=\"lead\">{} scenes under {} policies: {} answers. In <b>{}</b> of the scenes that \
-         all of them decide, at least two choose different manoeuvres.",
+        "<p class=\"lead\">{} scenes under {} policies{sets}: {} answers. In <b>{}</b> of the \
+         scenes that all of them decide, at least two policies choose different manoeuvres.",
         thousands(gathered.scenes),
-        judges.len(),
+        plan.file().policies.len(),
         thousands(answers),
         percent(gathered.any_differ, gathered.decided)
     );
@@ -116,8 +154,8 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
         percent(first.free, first.answers - first.refused),
         percent(first.certain, first.answers - first.refused)
     );
-    if let Some(share) = gathered.flip_share(plan, Knob::ErrorSigma, 0) {
-        let sweep = plan.file().sweeps.iter().find(|sweep| sweep.knob == Knob::ErrorSigma);
+    if let Some(share) = gathered.flip_share(plan, SweepKnob::ErrorSigma, 0) {
+        let sweep = plan.file().sweeps.iter().find(|sweep| sweep.knob == SweepKnob::ErrorSigma);
         let step = sweep.and_then(|sweep| Some(sweep.values.get(1)? - sweep.values.first()?));
         let _w = write!(
             text,
@@ -189,14 +227,20 @@ fn policies(gathered: &Gathered, judges: &[String]) -> String {
     text
 }
 
-fn differ(gathered: &Gathered, judges: &[String]) -> String {
+/// The names of some judges.
+fn named<'j>(judges: &'j [String], main: &[usize]) -> Vec<&'j str> {
+    main.iter().map(|judge| judges[*judge].as_str()).collect()
+}
+
+fn differ(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let mut text = "<h2>In how many scenes two policies choose differently</h2>\
                     <div class=\"wide\"><table class=\"heat\"><tr><th></th>"
         .to_owned();
-    text += &head(&judges.iter().map(String::as_str).collect::<Vec<_>>());
+    text += &head(&named(judges, main));
     text += "</tr>";
-    for (a, name) in judges.iter().enumerate() {
-        let cells = (0..judges.len()).map(|b| {
+    for &a in main {
+        let name = &judges[a];
+        let cells = main.iter().map(|&b| {
             if a == b {
                 cell("–")
             } else {
@@ -209,21 +253,27 @@ fn differ(gathered: &Gathered, judges: &[String]) -> String {
     text
 }
 
-fn where_they_differ(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
+fn where_they_differ(
+    plan: &Plan,
+    gathered: &Gathered,
+    judges: &[String],
+    main: &[usize],
+) -> String {
     let mut text = format!(
         "<h2>Where: scenes in which a policy chooses otherwise than {}</h2><div class=\"wide\">\
          <table><tr><th>Input</th><th>scenes</th>",
         escape(&judges[0])
     );
-    text += &head(&judges[1..].iter().map(String::as_str).collect::<Vec<_>>());
+    text += &head(&named(judges, &main[1..]));
     text += "</tr>";
     for (number, input) in plan.file().inputs.iter().enumerate() {
         let all = gathered.scenes_by_input[number];
         if all == 0 {
             continue;
         }
-        let differ = gathered.differ_by_input[1..].iter();
-        let cells = differ.map(|by_input| cell(&percent(by_input[number], all)));
+        let cells = main[1..]
+            .iter()
+            .map(|judge| cell(&percent(gathered.differ_by_input[*judge][number], all)));
         let _w = write!(
             text,
             "<tr><td>{}</td>{}{}</tr>",
@@ -236,7 +286,7 @@ fn where_they_differ(plan: &Plan, gathered: &Gathered, judges: &[String]) -> Str
     text
 }
 
-fn flips(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
+fn flips(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let sweeps = &plan.file().sweeps;
     if sweeps.is_empty() {
         return String::new();
@@ -246,7 +296,7 @@ fn flips(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
                     <div class=\"wide\"><table><tr><th>Sweep</th><th>from</th><th>to</th>\
                     <th>step</th>"
         .to_owned();
-    text += &head(&judges.iter().map(String::as_str).collect::<Vec<_>>());
+    text += &head(&named(judges, main));
     text += "</tr>";
     for (sweep, along) in sweeps.iter().zip(&gathered.along) {
         let [Some(first), Some(last), Some(second)] =
@@ -254,7 +304,8 @@ fn flips(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
         else {
             continue;
         };
-        let cells = along.iter().map(|flips| cell(&percent(flips.flips, flips.pairs)));
+        let cells = main.iter().map(|judge| &along[*judge]);
+        let cells = cells.map(|flips| cell(&percent(flips.flips, flips.pairs)));
         let _w = write!(
             text,
             "<tr><td>{}</td>{}{}{}{}</tr>",
@@ -269,7 +320,7 @@ fn flips(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
     text
 }
 
-fn regret(gathered: &Gathered, judges: &[String]) -> String {
+fn regret(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     if gathered.regret.iter().flatten().all(|regret| regret.count == 0) {
         return String::new();
     }
@@ -279,11 +330,12 @@ fn regret(gathered: &Gathered, judges: &[String]) -> String {
                     first rule may rank above its leading measure.</p><div class=\"wide\">\
                     <table class=\"heat\"><tr><th>measured by \\ chosen by</th>"
         .to_owned();
-    text += &head(&judges.iter().map(String::as_str).collect::<Vec<_>>());
+    text += &head(&named(judges, main));
     text += "</tr>";
-    for (a, name) in judges.iter().enumerate() {
-        let cells = gathered.regret[a].iter().enumerate().map(|(b, regret)| {
-            let Regret { sum, most, count } = *regret;
+    for &a in main {
+        let name = &judges[a];
+        let cells = main.iter().map(|&b| {
+            let Regret { sum, most, count } = gathered.regret[a][b];
             if a == b || count == 0 {
                 return cell("–");
             }
@@ -345,7 +397,7 @@ fn worst_cases(plan: &Plan, worst: &[Recorded], judges: &[String]) -> String {
     text
 }
 
-fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
+fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let Some(axes) = maps::axes(plan) else { return String::new() };
     let others = plan.file().sweeps.iter().enumerate().filter(|(number, _)| !axes.contains(number));
     let others: Vec<String> = others
@@ -363,7 +415,7 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
     let mut mapped = 0;
     for (number, input) in plan.file().inputs.iter().enumerate() {
         let all = |judge: usize| maps::cells(plan, gathered, (number, judge), axes);
-        let cells: Vec<Vec<Vec<u8>>> = (0..judges.len()).map(all).collect();
+        let cells: Vec<Vec<Vec<u8>>> = main.iter().copied().map(all).collect();
         let mut used: Vec<u8> = cells.iter().flatten().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
@@ -372,7 +424,7 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
         }
         mapped += 1;
         let _w = write!(text, "<h3>{}</h3><div class=\"maps\">", escape(&input.name));
-        for (name, cells) in judges.iter().zip(&cells) {
+        for (name, cells) in named(judges, main).into_iter().zip(&cells) {
             text += &maps::svg(plan, name, cells, axes);
         }
         text += "</div><p class=\"key legend\">";
