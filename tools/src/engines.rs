@@ -23,6 +23,9 @@ pub(crate) struct Options {
     /// How often a node and a driver are killed, each time at other moments.
     #[arg(long, value_name = "N", default_value_t = 10)]
     seeds: u32,
+    /// The package, in place of one that is built now.
+    #[arg(long, value_name = "FILE")]
+    wheel: Option<PathBuf>,
     /// The Python that makes the environment.
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: PathBuf,
@@ -34,8 +37,14 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
     let wheels = workspace.target.join("wheel");
     let python = Python { program: &options.python, folder: &wheels };
-    let build = python.environment("build", &["maturin>=1.16,<2"], Kept::Yes)?;
-    let wheel = built_wheel(&build, &workspace.root.join("crates/python"), &wheels.join("dist"))?;
+    let wheel = match &options.wheel {
+        Some(wheel) => wheel.clone(),
+        None => {
+            let build = python.environment("build", &["maturin>=1.16,<2"], Kept::Yes)?;
+            let package = workspace.root.join("crates/python");
+            built_wheel(&build, &package, &wheels.join("dist"))?
+        }
+    };
     let ray =
         python.environment("ray", &["ray>=2.52", "duckdb", "polars", "pyarrow"], Kept::Yes)?;
     ray.install(&["--force-reinstall", "--no-deps", &wheel.display().to_string()])?;

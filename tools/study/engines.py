@@ -405,11 +405,11 @@ def page(given, expected, rows, kills, costs, one, load, folder, verdict):
     gate = verdict.holds(of[2] <= 0.05, f"overhead {of[2]:.3f}")
     parquet = str(folder / "one" / "shards" / "*" / "answers.parquet")
     [count, scenes, refused] = duckdb.sql(
-        f"select count(*), count(distinct scene), count(refusal) from '{parquet}'").fetchone()
+        f"select count(*), count(distinct scene), count(refusal) from '{parquet}'").fetchall()[0]
     [winners] = duckdb.sql(
         "select string_agg(policy || ': ' || winner || ' ' || n, ', ' order by policy, winner) from "
         f"(select policy, winner, count(*) n from '{parquet}' where winner is not null group by all)"
-    ).fetchone()
+    ).fetchall()[0]
     polars_count = polars.scan_parquet(parquet).select(polars.len()).collect().item()
     read = verdict.holds(count == polars_count == expected["rows"][0], "tables")
     lines = []
