@@ -1,18 +1,17 @@
 //! `cargo x engines`: a study by every engine, with nodes and drivers killed, and the page about it.
 //!
 //! ```text
-//! wheel, program ──▶ an environment with Ray ──▶ a network namespace with lo alone ──▶ the page
+//! wheel ──▶ an environment with Ray ──▶ a network namespace with lo alone ──▶ the page
 //! ```
 //!
 //! Ray listens on all interfaces, so it never runs here where anybody else could reach it.
 
-use crate::built::{self, Workspace, write};
+use crate::built::{Workspace, write};
 use crate::machine;
-use crate::step::cargo;
 use crate::wheel::{Kept, Python, built_wheel};
 use anyhow::{Context as _, Result, bail};
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 /// What to study, and how often to kill.
@@ -24,6 +23,9 @@ pub(crate) struct Options {
     /// How often a node and a driver are killed, each time at other moments.
     #[arg(long, value_name = "N", default_value_t = 10)]
     seeds: u32,
+    /// The package, in place of one that is built now.
+    #[arg(long, value_name = "FILE")]
+    wheel: Option<PathBuf>,
     /// The Python that makes the environment.
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: PathBuf,
@@ -35,10 +37,14 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
     let wheels = workspace.target.join("wheel");
     let python = Python { program: &options.python, folder: &wheels };
-    let build = python.environment("build", &["maturin>=1.16,<2"], Kept::Yes)?;
-    let wheel = built_wheel(&build, &workspace.root.join("crates/python"), &wheels.join("dist"))?;
-    let program =
-        built::executable(cargo().args(["build", "--release", "--package", "trolley-cli"]))?;
+    let wheel = match &options.wheel {
+        Some(wheel) => wheel.clone(),
+        None => {
+            let build = python.environment("build", &["maturin>=1.16,<2"], Kept::Yes)?;
+            let package = workspace.root.join("crates/python");
+            built_wheel(&build, &package, &wheels.join("dist"))?
+        }
+    };
     let ray =
         python.environment("ray", &["ray>=2.52", "duckdb", "polars", "pyarrow"], Kept::Yes)?;
     ray.install(&["--force-reinstall", "--no-deps", &wheel.display().to_string()])?;
@@ -48,10 +54,9 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let script = workspace.root.join("tools/study/engines.py");
     let (script, place) = (script.display().to_string(), folder.path().join("e"));
     let place = place.display().to_string();
-    let named = program.display().to_string();
     let [scenes, seeds] = &numbers;
-    let arguments = [&script, &named, &place, "--scenes", scenes, "--seeds", seeds];
-    let asked = ray.command(&arguments, &program);
+    let arguments = [&*script, &place, "--scenes", scenes, "--seeds", seeds];
+    let asked = ray.command(&arguments, Path::new(""));
     let mut command = Command::new("unshare");
     command.args(["--net", "sh", "-c", "ip link set lo up && exec \"$@\"", "sh"]);
     command.arg(asked.get_program()).args(asked.get_args());

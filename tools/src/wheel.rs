@@ -38,7 +38,8 @@ pub(crate) struct Options {
 const BUILD: &[&str] = &["maturin>=1.16,<2"];
 
 /// What its tests need besides.
-const TESTS: &[&str] = &["pytest", "pyarrow", "mypy", "trimesh", "commonroad-io", "matplotlib"];
+const TESTS: &[&str] =
+    &["pytest", "pyarrow", "mypy", "trimesh", "commonroad-io", "matplotlib", "fsspec"];
 
 /// What the notebooks need.
 const NOTEBOOKS: &[&str] = &["jupytext", "nbconvert", "ipykernel", "matplotlib", "pyarrow"];

@@ -28,15 +28,10 @@ use crate::work::Effort;
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{Backend, BodySet, RunError};
 use body::Shells;
-use damage::course::{HEAVY_M_S, Severity};
-use damage::rule::Stake;
-use damage::{
-    AnswerState, CandidateHarm, CourseHarm, Criteria, Policy, RankedCandidates, Scratch,
-    Unevaluable, rank_in,
-};
+use damage::course::Severity;
+use damage::{CourseHarm, Criteria, Unevaluable};
 use runtime::clock;
 use scenario::{Members, Name, Scenario, Worlds};
-use std::borrow::Cow;
 use std::rc::Rc;
 
 mod assessed_contact;
@@ -44,10 +39,13 @@ mod contact_facts;
 mod course_answer;
 mod explain;
 mod flags;
+mod harm;
 mod history;
+mod judged;
 mod member;
 mod persons;
 mod plan_scene;
+mod remarks;
 mod rounds;
 mod search;
 mod searched;
@@ -78,13 +76,13 @@ pub use worlds::{FlipRow, WorldsRow};
 use assessed_contact::AssessedContact;
 use contact_facts::ContactFacts;
 use course_answer::Description;
+use harm::{counts, harm_by, harm_of, is_heavy_for_sure, total_harm};
 use history::{SearchClock, Surveyor};
+use judged::Judged;
 use member::Member;
-use persons::People;
 use rounds::Rounds;
 use stages::{CourseOutline, Stage, Stages};
-use way::{Begin, NextContact, Scenery, Way};
-use worlds::WorldsFound;
+use way::{Scenery, Way};
 
 /// One request over a horizon.
 #[derive(Clone, Debug)]
@@ -378,121 +376,10 @@ fn names_of(scenario: &Scenario) -> Vec<Name> {
     scenario.parties.iter().map(|party| party.name.clone()).collect()
 }
 
-/// The order of candidates, and what it was made from.
-struct Judged {
-    harms: Vec<CourseHarm>,
-    ranking: RankedCandidates,
-    /// What members say; `None`: the scene as stated was followed alone.
-    members: Option<stages::MembersFound>,
-}
-
-impl Judged {
-    fn of(policy: &Policy, stakes: &[Stake], harms: Vec<CourseHarm>) -> Result<Self, RequestError> {
-        let mut ranking = RankedCandidates::default();
-        rank_in(&mut Scratch::default(), policy, stakes, &harms, &mut ranking)?;
-        Ok(Self { harms, ranking, members: None })
-    }
-
-    /// Whether worlds can be drawn.
-    fn has_worlds(&self) -> bool {
-        self.members.is_some() && self.ranking.state == AnswerState::Complete
-    }
-
-    /// The answer, if `worlds` are what was found where there are any.
-    fn answer(
-        self,
-        described: Description,
-        of: (&People, &Policy),
-        worlds: Option<WorldsFound>,
-        (members, asked): (Members, Worlds),
-    ) -> Answer {
-        let Self { harms, ranking, members: found } = self;
-        let mut answer = described.answer(of, &harms, &ranking);
-        let Some(found) = found else {
-            if !members.is_nominal() {
-                let none = "there was no time for members: the scene is ranked as stated";
-                answer.missing.push(none.to_owned());
-                answer.ranking.iter_mut().for_each(|row| row.is_stated_alone = true);
-            }
-            return answer;
-        };
-        found.write(&mut answer, &ranking);
-        match worlds {
-            Some(worlds) => worlds.write(&mut answer, &ranking),
-            // No world changes the winner.
-            None if answer.state == AnswerState::Complete && asked.count > 0 => {
-                answer.state = AnswerState::Certified;
-                answer.missing.push("in how many worlds each would win".to_owned());
-            }
-            None => {}
-        }
-        answer
-    }
-}
-
 /// Contacts that are surveyed together, at most: what is known of each takes a bit for each
 /// triangle of both bodies.
 pub(crate) const PART_MAX: usize = 128;
 /// Time reserved before a deadline, for each candidate, for what is only said (ns).
 const SAYING_NS: u64 = 1_000_000;
-/// The energy that a collision of the ego may still take (J): that of 1000 t at 100 m/s. It only
-/// keeps an open candidate from winning by less damage.
-const ENERGY_MAX_J: f64 = 5e9;
-
-/// Whether a contact changes the ego's motion much, whatever its survey finds.
-fn is_heavy_for_sure(harm: &CandidateHarm) -> bool {
-    harm.delta_v[0].work.lo() >= HEAVY_M_S
-}
-
-/// Whether a contact is in the harm of its course.
-fn counts(course: &Course<'_>, contact: &AssessedContact) -> bool {
-    !course.is_open() || course.is_final(contact)
-}
-
-/// The harm of a course: all contacts together, and whatever is open. `next` is a contact that is
-/// found and not surveyed, and what is known of it.
-fn harm_of(
-    people: &People,
-    course: &Course<'_>,
-    next: Option<(&NextContact, &CandidateHarm)>,
-) -> CourseHarm {
-    harm_by(people, course, next, Cow::Borrowed)
-}
-
-/// [`harm_of`] a course whose contacts are as `changed` makes them.
-fn harm_by<'c>(
-    people: &People,
-    course: &'c Course<'_>,
-    next: Option<(&NextContact, &CandidateHarm)>,
-    changed: impl Fn(&'c CandidateHarm) -> Cow<'c, CandidateHarm>,
-) -> CourseHarm {
-    // A second look at a crash may still find it light: then it is as if it had not been.
-    let is_final = |(meeting, harm): &(&NextContact, &CandidateHarm)| {
-        meeting.begin != Begin::Again && is_heavy_for_sure(harm)
-    };
-    let next = next.filter(is_final).map(|(_, next)| Cow::Borrowed(next));
-    let contacts = course.contacts.iter().filter(|contact| counts(course, contact));
-    let contacts = contacts.map(|contact| changed(&contact.harm)).chain(next);
-    let is_unevaluable = course.stuck.is_some_and(|stuck| stuck.unevaluable.is_some());
-    total_harm(people, contacts, (is_unevaluable, course.is_open()))
-}
-
-/// The harm of these contacts together; and of whatever comes after them, where that is open.
-fn total_harm<'c>(
-    people: &People,
-    contacts: impl Iterator<Item = Cow<'c, CandidateHarm>>,
-    (is_unevaluable, is_open): (bool, bool),
-) -> CourseHarm {
-    let mut harm = CourseHarm::none();
-    contacts.for_each(|contact| harm.include(&contact));
-    harm.is_unevaluable |= is_unevaluable;
-    if is_open {
-        harm.leave_open(people.all(), ENERGY_MAX_J);
-    }
-    // Last, as those who may be aboard run the greatest risk there, open ones included.
-    people.suppose(&mut harm);
-    harm
-}
-
 #[cfg(test)]
 mod tests;

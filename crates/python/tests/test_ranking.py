@@ -137,9 +137,13 @@ def test_a_scenario_is_ranked_under_every_policy(config):
     assert session.rank_under(scenario, [path])[0].policy == "weighted"
 
 
-def test_an_assessment_is_a_fresh_ranking(config):
+def test_an_assessment_is_a_fresh_ranking(config, tmp_path):
     paths = [config / name for name in SCENARIOS]
-    curves = [config / "curves/default.toml", config / "curves/levels.toml"]
+    shipped = (config / "curves/default.toml").read_text()
+    own = shipped.replace('name = "default"', 'name = "own"').replace("a = -6.9774", "a = -5.5")
+    assert own != shipped
+    (tmp_path / "own.toml").write_text(own)
+    curves = [config / "curves/default.toml", tmp_path / "own.toml"]
     names = ta.policy_names()
     session = ta.Session(threads=2)
     scenarios = [ta.Scenario.open(path) for path in paths]
@@ -151,6 +155,10 @@ def test_an_assessment_is_a_fresh_ranking(config):
     assert [one.json for one in assessed] == [one.json for one in ranked]
     assert [one.curves for one in assessed] == [one.curves for one in ranked]
     assert all(one.run is None and one.explanation is None for one in assessed)
+    uncovered = config / "curves/levels.toml"
+    with pytest.raises(ta.InputError, match=r"assessments\[0\].*no curve for cyclist"):
+        ta.assess_many(searched, curves=[uncovered])
+    assert len(ta.assess_many(searched, curves=[uncovered], keep_going=True).failures) >= 1
     one = searched[0].assess(policy="worst-off-first", curves=curves[1])
     assert one.json == session.rank(
         scenarios[0].with_policy("worst-off-first").with_curves(curves[1]), members=1).json

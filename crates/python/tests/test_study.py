@@ -89,6 +89,34 @@ def test_what_is_damaged_is_named_and_ranked_again(planned):
     assert study.check(folder)["sound"] == 3 and study.status(folder)["rows_hash"] == rows_hash
 
 
+def test_a_store_holds_the_same_study(planned, tmp_path):
+    pytest.importorskip("fsspec")
+    expected = planned("local")
+    for shard in range(3):
+        study.run_shard(expected, shard)
+    rows_hash = study.status(expected)["rows_hash"]
+    url = f"file://{tmp_path}/store"
+    told = study.plan(tmp_path / "spec.toml", url)
+    assert (told["shards"], told["finished"]) == (3, 0)
+    assert run(url, "--shard", 1).returncode == 0
+    assert study.run_shard(url, 1)["was_finished"]
+    assert study.status(url)["finished"] == 1
+    again = study.plan(tmp_path / "spec.toml", url)
+    assert again["finished"] == 1, "it is there already"
+    assert run(url).returncode == 0
+    assert study.status(url)["rows_hash"] == rows_hash
+    # Without its seal, a shard does not count; damaged ones are ranked again and put back.
+    (tmp_path / "store/shards/000000/seal.json").unlink()
+    file = tmp_path / "store/shards/000002/persons.parquet"
+    file.write_bytes(file.read_bytes()[:-1])
+    assert [broken["shard"] for broken in study.check(url, redo=False)["broken"]] == [0, 2]
+    assert not study.run_shard(url, 2)["was_finished"]
+    study.check(url)
+    assert study.check(url)["sound"] == 3 and study.status(url)["rows_hash"] == rows_hash
+    with pytest.raises(ta.InputError, match="holds no study"):
+        study.status(f"file://{tmp_path}/nothing")
+
+
 def test_what_is_asked_wrongly_is_refused_with_words(planned, tmp_path):
     folder = planned("refused")
     with pytest.raises(ta.TrolleyError):

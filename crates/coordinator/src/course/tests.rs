@@ -2,6 +2,7 @@
 
 use super::assessed_contact::{assessed, contact, settle};
 use super::member::Member;
+use super::persons::People;
 use super::way::Scenery;
 use super::*;
 use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};

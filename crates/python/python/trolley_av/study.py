@@ -12,8 +12,9 @@ In a shell::
     python -m trolley_av.study DIR --shard "$JOB_COMPLETION_INDEX" --of 64
     python -m trolley_av.study DIR                                # all shards, in this process
 
-DIR is the folder of a study, which all machines must see at the same path, with the same build of
-this package.
+DIR is the folder of a study, which all machines must see at the same path, or the URL of an object
+store, such as s3://bucket/study, with the extra trolley-av[store]. All need the same build of this
+package.
 """
 
 import argparse
@@ -21,9 +22,10 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import time
 
-from . import _core
+from . import _core, _store
 from ._errors import InputError, TrolleyError
 
 __all__ = ["check", "plan", "run_on_ray", "run_shard", "status"]
@@ -34,25 +36,41 @@ def plan(spec, folder):
 
     Args:
         spec: the path of the specification: `trolley help study`.
-        folder: where the study shall be; if it is there already, nothing is done.
+        folder: where the study shall be, a folder or a URL; if it is there already, nothing is
+            done.
 
     Returns:
         As `status`.
     """
-    return json.loads(_core.study_plan(spec, folder))
+    if not _store.is_url(folder):
+        return json.loads(_core.study_plan(spec, folder))
+    with tempfile.TemporaryDirectory(prefix="trolley-plan-") as local:
+        planned = json.loads(_core.study_plan(spec, local))
+        try:
+            known = status(folder)
+        except InputError as error:
+            if error.exit_code == 78:
+                raise
+            _store.put(local, folder)
+            return planned
+    if known["study"] != planned["study"]:
+        raise InputError(f"{folder} holds another study", remedy="name another place", exit_code=65)
+    return known
 
 
 def run_shard(folder, shard):
     """Run one shard of a study, unless it is finished.
 
     Args:
-        folder: the folder of the study.
+        folder: the folder of the study, or its URL.
         shard: the number of the shard, from 0.
 
     Returns:
         A dict: ``shard``, ``rows`` (of the tables answers, candidates, persons), ``refused`` (rows
         that are refusals), ``rows_hash``, and ``was_finished``.
     """
+    if _store.is_url(folder):
+        return json.loads(_store.at(folder).run_shard(shard))
     return json.loads(_core.study_run_shard(folder, shard))
 
 
@@ -60,13 +78,15 @@ def status(folder):
     """Say how far a study is.
 
     Args:
-        folder: the folder of the study.
+        folder: the folder of the study, or its URL.
 
     Returns:
         A dict: among others ``shards``, ``finished``, ``broken``, ``scenes``, ``attempts`` (how
         often shards were begun), ``deaths``, and ``rows_hash``, the hash of all rows once all
         shards are finished.
     """
+    if _store.is_url(folder):
+        folder = _store.at(folder).get_shards()
     return json.loads(_core.study_status(folder))
 
 
@@ -74,13 +94,20 @@ def check(folder, *, redo=True):
     """Hold every byte of a study against what was written.
 
     Args:
-        folder: the folder of the study.
+        folder: the folder of the study, or its URL.
         redo: whether shards that are not sound are ranked again.
 
     Returns:
         A dict: ``sound``, ``absent``, and ``broken`` with the faults of each shard.
     """
-    return json.loads(_core.study_check(folder, redo))
+    if not _store.is_url(folder):
+        return json.loads(_core.study_check(folder, redo))
+    store = _store.at(folder)
+    checked = json.loads(_core.study_check(store.get_shards(), redo))
+    for broken in checked["broken"]:
+        if broken["is_redone"]:
+            store.put_shard(broken["shard"])
+    return checked
 
 
 def run_on_ray(folder, address, *, tries=20, told=None):
@@ -94,7 +121,7 @@ def run_on_ray(folder, address, *, tries=20, told=None):
     Ray's usage statistics are off unless ``RAY_USAGE_STATS_ENABLED`` says otherwise.
 
     Args:
-        folder: the folder of the study, at the same path on all nodes.
+        folder: the folder of the study, at the same path on all nodes, or its URL.
         address: of the cluster, as "10.0.0.1:6379"; "auto" finds one on this machine.
         tries: how often a shard is begun at most. A scene that takes its process down needs three.
         told: called with the dict of each finished shard, with ``cpu_s``, its CPU time (s).
@@ -103,7 +130,7 @@ def run_on_ray(folder, address, *, tries=20, told=None):
         A dict of shards that are not finished: their number, and why.
     """
     ray = _ray()
-    folder = os.path.abspath(folder)
+    folder = _absolute(folder)
     shards = range(status(folder)["shards"])
     ray.init(address=address, log_to_driver=False, logging_level="warning",
              namespace="trolley")
@@ -111,6 +138,10 @@ def run_on_ray(folder, address, *, tries=20, told=None):
         return _on_ray(ray, folder, list(shards), tries, told or (lambda _: None))
     finally:
         ray.shutdown()
+
+
+def _absolute(folder):
+    return folder if _store.is_url(folder) else os.path.abspath(folder)
 
 
 def _ray():
@@ -196,7 +227,7 @@ def _main(arguments=None):
 
 
 def _run(given):
-    folder = os.path.abspath(given.folder)
+    folder = _absolute(given.folder)
     total = status(folder)["shards"]
     if given.ray is not None:
         told = _told_to(sys.stderr, total)
