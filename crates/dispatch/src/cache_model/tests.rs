@@ -93,3 +93,22 @@ proptest! {
         prop_assert_eq!(ledger.thrash().is_some(), has_thrashed);
     }
 }
+
+/// Found by `cargo mutants`: each ledger of the test above is new.
+#[test]
+fn a_ledger_that_begins_again_is_as_a_new_one() {
+    let section = |node| Section { model: 0, node };
+    for cache in [Cache::Unlimited, Cache::Recent(300), Cache::Fixed(300)] {
+        let mut ledger = CacheModel::new(2, cache);
+        let fill = |ledger: &mut CacheModel| {
+            (0..20).map(|node| ledger.need(0, section(node % 4), 100)).collect::<Vec<_>>()
+        };
+        let first = fill(&mut ledger);
+        let transfer = ledger.transfer();
+        assert!(ledger.held_bytes(0) > 0 && transfer.missed > 0);
+        ledger.begin();
+        assert_eq!((ledger.held_bytes(0), ledger.transfer()), (0, Transfer::default()));
+        assert!((0..4).all(|node| !ledger.holds(0, section(node))));
+        assert_eq!((fill(&mut ledger), ledger.transfer()), (first, transfer), "{cache:?}");
+    }
+}

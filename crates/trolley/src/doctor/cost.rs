@@ -333,6 +333,7 @@ mod tests {
     //! What is measured lies within what is computed from it.
     use super::*;
 
+    // verifies REQ-BUDGET
     #[test]
     fn no_job_exceeds_the_bound_that_is_made_of_all() {
         let costs = Costs::measure(&[], (4_000, 4, 2)).unwrap();
