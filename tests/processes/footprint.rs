@@ -3,7 +3,7 @@
 
 use crate::support::footprint::{Taken, folder, largest_request};
 use crate::support::service::{serve, shipped};
-use crate::support::{Place, children, json, run, text, trolley, wait_for};
+use crate::support::{Place, children, json, text, trolley, wait_for};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Stdio;
@@ -23,7 +23,8 @@ fn deployment(place: &Place, folder: &Path) -> String {
 }
 
 fn computed(file: &str) -> Value {
-    let output = run(&["doctor", "--deployment", file, "--jobs", "0", "--json"]);
+    let words = ["doctor", "--deployment", file, "--jobs", "0", "--json"];
+    let output = trolley().args(words).output().unwrap();
     // Whatever this machine lacks besides.
     json(&output)["deployment"]["footprint"].clone()
 }

@@ -1,4 +1,5 @@
-//! Crates that compute and nothing else: held by `tests/tidy.rs`, tested on ARM by `cargo x aarch64`.
+//! Crates that compute and do nothing else: `tests/tidy.rs` holds that; `cargo x aarch64` tests
+//! them.
 
 /// Crates without I/O, clock, waiting and processes, but for the modules that `tests/tidy/pure.rs`
 /// names; from the bottom up.

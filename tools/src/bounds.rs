@@ -1,5 +1,5 @@
-//! `cargo x bounds`: what deployments take, computed by `trolley doctor` and measured on services at
-//! their limits; and what jobs cost that are made to be dear.
+//! `cargo x bounds`: what deployments take, computed by `trolley doctor` and measured on services
+//! at their limits; and what jobs cost that are made to be dear.
 
 mod page;
 mod service;

@@ -17,9 +17,9 @@ mod adversary;
 mod cost;
 mod deployment;
 
-pub use cost::{Costs, KindCost};
+pub use cost::{KindCost, TestCosts};
 pub use deployment::{DeploymentBounds, TimeBound};
-pub use service::{Footprint, ProcessBound};
+pub use service::{ProcessBound, ResourceBounds};
 
 use crate::BUILD;
 use runtime::{affinity, realtime};
@@ -87,12 +87,12 @@ fn finding(
 /// Everything that was found: about this machine, and about a deployment on it.
 ///
 /// ```
-/// let report = trolley::doctor::Report::with(None);
+/// let report = trolley::doctor::DoctorReport::with(None);
 /// assert!(report.to_string().contains("cores"));
 /// println!("something is missing: {}", report.has_problem());
 /// ```
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct DoctorReport {
     schema: &'static str,
     build: &'static str,
     /// About this machine.
@@ -102,11 +102,11 @@ pub struct Report {
     pub deployment: Option<DeploymentBounds>,
 }
 
-impl Report {
+impl DoctorReport {
     /// Checks this machine, beside what was found about a deployment.
     ///
     /// ```
-    /// let report = trolley::doctor::Report::with(None);
+    /// let report = trolley::doctor::DoctorReport::with(None);
     /// assert!(!report.findings.is_empty() && report.deployment.is_none());
     /// ```
     #[must_use]
@@ -117,8 +117,8 @@ impl Report {
     /// Whether the service, or the deployment, cannot work here or cannot keep its promises.
     ///
     /// ```
-    /// # use trolley::doctor::{FindingLevel, Report};
-    /// let report = Report::with(None);
+    /// # use trolley::doctor::{FindingLevel, DoctorReport};
+    /// let report = DoctorReport::with(None);
     /// let is_problem = |found: &trolley::doctor::Finding| found.level == FindingLevel::Problem;
     /// assert_eq!(report.has_problem(), report.findings.iter().any(is_problem));
     /// ```
@@ -130,7 +130,7 @@ impl Report {
     }
 }
 
-impl Display for Report {
+impl Display for DoctorReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.findings.iter().try_for_each(|finding| finding.fmt(f))?;
         self.deployment.iter().try_for_each(|bounds| write!(f, "\n{bounds}"))

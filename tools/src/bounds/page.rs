@@ -78,7 +78,8 @@ impl Page<'_> {
         }
         text += "\n## A request from the heap\n\nA small crash asked again and again: \
                  two candidates, one other party.\n\n\
-                 | service | requests | allocations of one | messages of one | page faults of all |\n\
+                 | service | requests | allocations of one | messages of one \
+                 | page faults of all |\n\
                  |---|--:|--:|--:|--:|\n";
         for measured in &self.services {
             let small = &measured.small;
@@ -101,9 +102,9 @@ impl Page<'_> {
             text,
             "\n## Times: a measured bound, not WCET\n\n\
              `trolley doctor --deployment config/deployments/dual-core.toml --jobs {jobs}`: {jobs} \
-             jobs that are made to be\ndear, on {threads} threads at a time. µs of CPU time; a bound \
-             is the budget × the dearest test, which took {test:.1} ns,\nand {start:.1} µs to begin \
-             a job.\n\n| what | bound | measured |\n|---|--:|--:|",
+             jobs that are made to be\ndear, on {threads} threads at a time. µs of CPU time; a \
+             bound is the budget × the dearest test, which took {test:.1} ns,\nand {start:.1} µs \
+             to begin a job.\n\n| what | bound | measured |\n|---|--:|--:|",
             jobs = number(&costs["jobs"]),
             threads = number(&costs["threads"]),
             test = costs["test_ns"].as_f64().unwrap_or(f64::NAN),
@@ -154,9 +155,9 @@ fn rows(measured: &Measured) -> Vec<Row> {
             rows.push((format!("{process}: {what}"), bound[key].as_u64().unwrap_or(0), taken));
         }
     }
-    let of = |key: &str| footprint[key].as_u64().unwrap_or(0);
-    rows.push(("folder, MiB".to_owned(), of("folder_bytes"), measured.bytes));
-    rows.push(("segments".to_owned(), of("segments"), measured.segments));
+    let computed = |key: &str| footprint[key].as_u64().unwrap_or(0);
+    rows.push(("folder, MiB".to_owned(), computed("folder_bytes"), measured.bytes));
+    rows.push(("segments".to_owned(), computed("segments"), measured.segments));
     rows
 }
 

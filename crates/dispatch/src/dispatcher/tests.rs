@@ -410,10 +410,10 @@ proptest! {
 #[test]
 fn whoever_is_dismissed_gets_no_job_and_a_successor_is_not_dismissed_for_it() {
     let queues = Queues { capacity: 2, batch: 2, linger_ns: 0 };
-    let of = |inc| Incarnation { worker: 0, inc };
-    for (gone, batches) in [(of(1), 0), (of(0), 1)] {
+    let incarnation = |inc| Incarnation { worker: 0, inc };
+    for (gone, batches) in [(incarnation(1), 0), (incarnation(0), 1)] {
         let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
-        dispatcher.admit(of(1));
+        dispatcher.admit(incarnation(1));
         dispatcher.dismiss(gone);
         dispatcher.begin(NOW);
         let (mut work, mut effects) = (Waves { left: vec![2], ..Waves::default() }, Vec::new());
