@@ -19,12 +19,15 @@ mod guards;
 mod names;
 #[path = "tidy/pure.rs"]
 mod pure;
+#[path = "tidy/pure_crates.rs"]
+mod pure_crates;
 #[path = "tidy/safety.rs"]
 mod safety;
 #[path = "tidy/tree.rs"]
 mod tree;
 
 use code::{calls, code, words};
+use pure_crates::PURE;
 use std::path::Path;
 use tree::{Package, Text, all_sources, packages, root};
 
@@ -111,25 +114,6 @@ const ALONE: &[(&str, &[&str])] = &[
 ];
 /// Crates that may contain `unsafe`.
 const UNSAFE: &[&str] = &["transport", "runtime", "client-c"];
-/// Crates without I/O, clock and waiting, but for the modules in [`pure::EDGES`].
-const PURE: &[&str] = &[
-    "diagnostic",
-    "geometry",
-    "protocol",
-    "xml",
-    "keys",
-    "body",
-    "shapes",
-    "mesh",
-    "bvh",
-    "damage",
-    "scenario",
-    "traffic",
-    "dispatch",
-    "executor",
-    "record",
-    "simulate",
-];
 /// Crates that no vehicle build has, so that faults may be anywhere in them.
 const FAULTY: &[&str] = &[faults::LAB, "tools"];
 /// Longest line, in characters.

@@ -9,6 +9,7 @@ mod support;
 mod alone;
 mod bounds;
 mod clients;
+mod footprint;
 mod group;
 mod guard;
 mod inject;

@@ -10,6 +10,7 @@
     reason = "each test target uses its own part of it, and a test that cannot go on has failed"
 )]
 
+pub(crate) mod footprint;
 pub(crate) mod keys;
 pub(crate) mod service;
 

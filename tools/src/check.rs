@@ -1,5 +1,6 @@
 //! `cargo x check`: the steps that a change must pass, fastest first.
 
+use crate::safety;
 use crate::step::{Step, now};
 use crate::unpacked;
 use anyhow::Result;
@@ -110,6 +111,7 @@ pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitC
     let data = Path::new(DATA).is_dir().then_some(&WITH_DATA);
     let steps: Vec<&Step> = steps.into_iter().chain(data).collect();
     let begun = now();
+    let mut tests = String::new();
     for (number, step) in steps.iter().enumerate() {
         write!(out, "{:>2}/{} ", number + 1, steps.len())?;
         let outcome = if step.name == PACKAGE.name {
@@ -120,6 +122,16 @@ pub(crate) fn run<'a>(steps: impl IntoIterator<Item = &'a Step>) -> Result<ExitC
         if let Some(code) = outcome.failure() {
             return Ok(code);
         }
+        if step.args[0] == "test" {
+            tests += &outcome.said();
+        }
+    }
+    // No second run: what the steps above have run is read.
+    let missing = safety::not_run(&tests)?;
+    if !missing.is_empty() {
+        writeln!(out, "needs   FAILED: these tests of requirements did not run and pass:")?;
+        missing.iter().try_for_each(|test| writeln!(out, "        {test}"))?;
+        return Ok(ExitCode::FAILURE);
     }
     if data.is_none() {
         let left_out =

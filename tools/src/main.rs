@@ -4,6 +4,7 @@
 
 mod aarch64;
 mod bench;
+mod bounds;
 mod built;
 mod check;
 mod compare;
@@ -67,6 +68,9 @@ enum Task {
         /// Run only benchmarks whose names contain this.
         filter: Option<String>,
     },
+    /// Compute what deployments take, hold it against services at their limits, and measure what
+    /// jobs cost that are made to be dear. Writes tools/results/bounds.md.
+    Bounds(bounds::Options),
     /// Count the kernels' instructions with valgrind and compare them with the record.
     ///
     /// Fails if a count is more than 3 % higher. The record is tools/results/instructions.tsv.
@@ -146,6 +150,7 @@ fn main() -> Result<ExitCode> {
         }
         Task::Bench { quick, filter } => bench::run(quick, filter.as_deref()),
         Task::Count { record } => count::run(record),
+        Task::Bounds(options) => bounds::run(&options),
         Task::Compare(options) => compare::run(&options),
         Task::Soak { worlds, from } => faults::soak(worlds, from),
         Task::Model => faults::model(),

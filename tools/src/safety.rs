@@ -4,7 +4,9 @@ use crate::built::{Workspace, write};
 use anyhow::{Context as _, Result};
 use clap::Args;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 use std::fs;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -14,6 +16,9 @@ pub(crate) struct Options {
     /// The file [default: needs.json in the target folder].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Output of `cargo test`: fails if a test that verifies a requirement did not run and pass.
+    #[arg(long, value_name = "LOG")]
+    ran: Option<PathBuf>,
 }
 
 /// Each table: its file, the key of its entries, and the type that they have among needs: those of
@@ -47,7 +52,39 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     });
     let out = options.out.clone().unwrap_or_else(|| workspace.target.join("needs.json"));
     write(&out, &(serde_json::to_string_pretty(&document)? + "\n"))?;
-    Ok(ExitCode::SUCCESS)
+    let Some(log) = &options.ran else { return Ok(ExitCode::SUCCESS) };
+    let said = fs::read_to_string(log).with_context(|| log.display().to_string())?;
+    let missing = not_run(&said)?;
+    for test in &missing {
+        writeln!(std::io::stderr(), "did not run and pass: {test}")?;
+    }
+    Ok(if missing.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The tests of requirements that did not pass in a run of which this is the output.
+pub(crate) fn not_run(said: &str) -> Result<Vec<String>> {
+    let path = Workspace::find()?.root.join("tools/safety/requirements.toml");
+    let table: toml::Table = toml::from_str(&fs::read_to_string(path)?)?;
+    let passed = passed(said);
+    let list = |entry: &toml::Value| entry["tests"].as_array().cloned().unwrap_or_default();
+    let all = table["requirement"].as_array().context("no list of tables")?;
+    let tests = all.iter().flat_map(list).filter_map(|test| Some(test.as_str()?.to_owned()));
+    Ok(tests.filter(|test| !is_in(&passed, test)).collect())
+}
+
+/// The last words of the paths of tests that passed: `test a::b::name ... ok`.
+fn passed(said: &str) -> BTreeSet<&str> {
+    fn name(line: &str) -> Option<&str> {
+        // The output of another test may stand before.
+        let (_, rest) = line.strip_suffix(" ... ok")?.rsplit_once("test ")?;
+        rest.rsplit("::").next()
+    }
+    said.lines().filter_map(name).collect()
+}
+
+/// Whether a test, as a requirement names it (`FILE::NAME`), is among those that passed.
+fn is_in(passed: &BTreeSet<&str>, test: &str) -> bool {
+    test.rsplit("::").next().is_some_and(|name| passed.contains(name))
 }
 
 /// One entry, with the fields that its type has.
@@ -86,4 +123,26 @@ fn need(entry: &toml::Value, kind: &str) -> Result<Value> {
         all.extend(own.iter().map(|(key, value)| (key.clone(), value.clone())));
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    //! A test counts if it passed, not if it was ignored, failed or has another name.
+    use super::*;
+
+    #[test]
+    fn only_tests_that_passed_count() {
+        let said = "running 4 tests\ntest a::ran ... ok\ntest a::left ... ignored, why\n\
+                    some words test b::c::late ... ok\ntest failed ... FAILED\n";
+        let passed = passed(said);
+        assert!(is_in(&passed, "x/y.rs::ran") && is_in(&passed, "z.rs::late"));
+        assert!(["left", "failed", "an"].iter().all(|name| !is_in(&passed, name)));
+        let missing = not_run(said).unwrap();
+        assert!(missing.len() > 30, "{missing:?}");
+        let all: String = missing
+            .iter()
+            .map(|test| format!("test m::{} ... ok\n", test.rsplit("::").next().unwrap()))
+            .collect();
+        assert_eq!(not_run(&all).unwrap(), Vec::<String>::new());
+    }
 }

@@ -23,9 +23,9 @@ pub(crate) struct Step {
     pub(crate) env: &'static [(&'static str, &'static str)],
 }
 
-/// The outcome.
+/// The outcome, and all that was said.
 #[derive(Debug)]
-pub(crate) struct Outcome(ExitStatus);
+pub(crate) struct Outcome(ExitStatus, Vec<u8>);
 
 impl Outcome {
     /// The exit code to pass on; `None` if all was well.
@@ -33,6 +33,11 @@ impl Outcome {
         // A signal has no exit code.
         let code = || self.0.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
         (!self.0.success()).then(|| ExitCode::from(code()))
+    }
+
+    /// What it said, on both streams.
+    pub(crate) fn said(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.1)
     }
 }
 
@@ -93,7 +98,7 @@ impl Step {
             out.write_all(&said)?;
             writeln!(out, "{:<7} cargo {line}: {status}", self.name)?;
         }
-        Ok(Outcome(status))
+        Ok(Outcome(status, said))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::reference_args::ReferenceArgs;
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::doctor::{DeploymentBounds, Report};
+use trolley::doctor::{DeploymentBounds, DoctorReport};
 use trolley::{Failure, FailureKind, OpenDeployment};
 
 /// What to check besides this machine.
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &DoctorArgs, output: &Output) -> Result<ExitCode, Failur
         let opened = OpenDeployment::open_with(file, None, args.references.references())?;
         DeploymentBounds::find(&opened, args.jobs, args.in_process)
     };
-    let report = Report::with(args.deployment.as_ref().map(find).transpose()?);
+    let report = DoctorReport::with(args.deployment.as_ref().map(find).transpose()?);
     if output.json {
         print::out(&print::json(&report)?)?;
     } else {

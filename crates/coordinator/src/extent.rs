@@ -1,7 +1,7 @@
 //! How much memory a request may take, from its limits.
 //!
-//! The numbers of things come from the limits in the code. What one of each takes was measured, with
-//! a margin: `cargo x bounds` holds the sums against running services.
+//! The numbers of things come from the limits in the code. What one of each takes was measured,
+//! with a margin: `cargo x bounds` holds the sums against running services.
 
 use crate::course::PART_MAX;
 use crate::work::SLOTS_MAX;
@@ -21,8 +21,8 @@ pub struct RequestExtent {
     pub triangles: usize,
 }
 
-/// A course of a candidate in a member, with its contacts (bytes): it has its flags, its harm and, at
-/// most, a contact with each party. Measured: 20 to 30 KiB with its encounters, of 31.
+/// A course of a candidate in a member, with its contacts (bytes): it has its flags, its harm and,
+/// at most, a contact with each party. Measured: 20 to 30 KiB with its encounters, of 31.
 const COURSE_BYTES: usize = 16 << 10;
 /// What a course knows of another party (bytes): measured about 1 KiB.
 const ENCOUNTER_BYTES: usize = 2 << 10;

@@ -40,7 +40,7 @@ pub struct ProcessBound {
     pub count: usize,
     /// Heap, stacks and what it maps of shared memory: resident at the peak (bytes).
     pub own_bytes: usize,
-    /// The program and its libraries: resident at the peak (bytes). All processes share these pages.
+    /// The program and its libraries: resident at the peak (bytes). All processes share them.
     pub program_bytes: usize,
     /// Open descriptors.
     pub descriptors: u64,
@@ -50,7 +50,7 @@ pub struct ProcessBound {
 
 /// What a deployment takes at most.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Footprint {
+pub struct ResourceBounds {
     /// Its processes: the service, and its workers.
     pub processes: Vec<ProcessBound>,
     /// What a request takes from the heap (bytes): of what `own_bytes` of the service has.
@@ -88,7 +88,7 @@ const SHELL_BYTES: usize = 8;
 /// Descriptors of a worker: measured 19.
 const WORKER_FILES: u64 = 24;
 
-impl Footprint {
+impl ResourceBounds {
     /// Computes what a deployment takes, with workers or, `in_process`, without.
     #[must_use]
     pub fn of(deployment: &Deployment, models: &SealedModels, in_process: bool) -> Self {
@@ -167,9 +167,9 @@ mod tests {
         cores: 4,
     };
 
-    fn of(more: &str) -> Footprint {
+    fn of(more: &str) -> ResourceBounds {
         let text = MINIMAL.replacen("[engine]", more, 1);
-        Footprint::of(&Deployment::parse("d.toml", &text).unwrap(), &MODELS, false)
+        ResourceBounds::of(&Deployment::parse("d.toml", &text).unwrap(), &MODELS, false)
     }
 
     #[test]
@@ -192,8 +192,8 @@ mod tests {
     #[test]
     fn without_workers_there_is_one_process_and_no_link() {
         let deployment = Deployment::parse("d.toml", MINIMAL).unwrap();
-        let alone = Footprint::of(&deployment, &MODELS, true);
-        let both = Footprint::of(&deployment, &MODELS, false);
+        let alone = ResourceBounds::of(&deployment, &MODELS, true);
+        let both = ResourceBounds::of(&deployment, &MODELS, false);
         assert_eq!((alone.processes.len(), both.processes[1].count), (1, 2));
         assert_eq!(both.segments - alone.segments, 2 * Sizes::SEGMENTS);
         assert!(alone.total_bytes < both.total_bytes);

@@ -46,7 +46,7 @@ pub use deployment::{
     ClientGroup, Decisions, Deployment, DeploymentError, Idle, Metrics, Model, ModelSource,
     Realtime, SCHEMA, TEXT_BYTES_MAX,
 };
-pub use footprint::{Footprint, ProcessBound, SealedModels};
+pub use footprint::{ProcessBound, ResourceBounds, SealedModels};
 pub use in_process::InProcess;
 pub use run::{MissingRealtime, ServiceConfig, ServiceError, serve};
 pub use supervisor::{SupervisorError, supervise};

@@ -1,8 +1,8 @@
 //! What iceoryx2 shares between a port and the messages that it lends, in memory that is kept.
 //!
-//! iceoryx2 0.10 makes one shared value per loan, through the policy of its service variant. Its own
-//! policies take each from the heap. This one takes it from a list of places that earlier loans of
-//! the same thread have left, so that a loan allocates nothing once as many were open at a time.
+//! iceoryx2 0.10 makes one shared value per loan, through the policy of its service variant. Its
+//! own policies take each from the heap. This one takes it from a list of places that earlier loans
+//! of the same thread have left, so that a loan allocates nothing once as many were open at a time.
 //!
 //! As with iceoryx2's policy for one thread, nothing here can be sent to another one.
 

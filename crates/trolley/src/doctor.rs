@@ -17,9 +17,9 @@ mod adversary;
 mod cost;
 mod deployment;
 
-pub use cost::{Costs, KindCost};
+pub use cost::{KindCost, TestCosts};
 pub use deployment::{DeploymentBounds, TimeBound};
-pub use service::{Footprint, ProcessBound};
+pub use service::{ProcessBound, ResourceBounds};
 
 use crate::BUILD;
 use runtime::{affinity, realtime};
@@ -87,12 +87,12 @@ fn finding(
 /// Everything that was found: about this machine, and about a deployment on it.
 ///
 /// ```
-/// let report = trolley::doctor::Report::with(None);
+/// let report = trolley::doctor::DoctorReport::with(None);
 /// assert!(report.to_string().contains("cores"));
 /// println!("something is missing: {}", report.has_problem());
 /// ```
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct DoctorReport {
     schema: &'static str,
     build: &'static str,
     /// About this machine.
@@ -102,11 +102,11 @@ pub struct Report {
     pub deployment: Option<DeploymentBounds>,
 }
 
-impl Report {
+impl DoctorReport {
     /// Checks this machine, beside what was found about a deployment.
     ///
     /// ```
-    /// let report = trolley::doctor::Report::with(None);
+    /// let report = trolley::doctor::DoctorReport::with(None);
     /// assert!(!report.findings.is_empty() && report.deployment.is_none());
     /// ```
     #[must_use]
@@ -117,8 +117,8 @@ impl Report {
     /// Whether the service, or the deployment, cannot work here or cannot keep its promises.
     ///
     /// ```
-    /// # use trolley::doctor::{FindingLevel, Report};
-    /// let report = Report::with(None);
+    /// # use trolley::doctor::{FindingLevel, DoctorReport};
+    /// let report = DoctorReport::with(None);
     /// let is_problem = |found: &trolley::doctor::Finding| found.level == FindingLevel::Problem;
     /// assert_eq!(report.has_problem(), report.findings.iter().any(is_problem));
     /// ```
@@ -130,7 +130,7 @@ impl Report {
     }
 }
 
-impl Display for Report {
+impl Display for DoctorReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.findings.iter().try_for_each(|finding| finding.fmt(f))?;
         self.deployment.iter().try_for_each(|bounds| write!(f, "\n{bounds}"))
@@ -164,6 +164,7 @@ pub fn look() -> Vec<Finding> {
     vec![
         cores(),
         isolation(),
+        ticks(),
         governor(),
         preemption(),
         throttling(),
@@ -209,6 +210,21 @@ fn isolation() -> Finding {
     )
 }
 
+fn ticks() -> Finding {
+    let line = read("/proc/cmdline").unwrap_or_default();
+    let value = |key: &str| {
+        let found = line.split(' ').find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
+        found.unwrap_or("none").to_owned()
+    };
+    let [ticks, callbacks] = ["nohz_full", "rcu_nocbs"].map(value);
+    let is_quiet = ticks != "none" && callbacks != "none";
+    let level = if is_quiet { FindingLevel::Ok } else { FindingLevel::Note };
+    let found = format!("nohz_full: {ticks}, rcu_nocbs: {callbacks}");
+    let remedy = "timer and callbacks of the kernel interrupt workers; kernel command line: \
+                  nohz_full=1-3 rcu_nocbs=1-3";
+    finding("kernel ticks", level, found, remedy)
+}
+
 fn governor() -> Finding {
     let mut governors = Vec::new();
     for core in affinity::allowed_cores() {
@@ -228,12 +244,17 @@ fn governor() -> Finding {
 
 fn preemption() -> Finding {
     let version = read("/proc/sys/kernel/version").unwrap_or_default();
-    let is_preempt = version.contains("PREEMPT");
-    let level = if is_preempt { FindingLevel::Ok } else { FindingLevel::Note };
+    let is_realtime = read("/sys/kernel/realtime").as_deref() == Some("1");
+    let is_realtime = is_realtime || version.contains("PREEMPT_RT");
+    let level = match version.contains("PREEMPT") {
+        true => FindingLevel::Ok,
+        false => FindingLevel::Note,
+    };
+    let model = if is_realtime { "PREEMPT_RT, " } else { "" };
     let remedy = "calls of other processes into the kernel may delay the service: use a \
                   kernel with PREEMPT or PREEMPT_RT";
     let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
-    finding("kernel", level, format!("{release} {version}"), remedy)
+    finding("kernel", level, format!("{model}{release} {version}"), remedy)
 }
 
 fn throttling() -> Finding {

@@ -1,32 +1,16 @@
 //! What is tested there: built once, run one after the other, and not again while nothing changed.
 
+#[path = "../../../tests/tidy/pure_crates.rs"]
+mod pure_crates;
+
 use super::root::{Root, TARGET};
 use crate::step::{Tally, now};
 use anyhow::{Context as _, Result, bail};
+use pure_crates::PURE;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Crates without I/O, clock and processes, whose unit tests run, from the bottom up.
-const PURE: &[&str] = &[
-    "diagnostic",
-    "geometry",
-    "protocol",
-    "xml",
-    "keys",
-    "body",
-    "shapes",
-    "bvh",
-    "damage",
-    "scenario",
-    "record",
-    "dispatch",
-    "executor",
-    "traffic",
-    "mesh",
-    "simulate",
-];
 
 /// Tests of the whole program: target, and the module of it that runs.
 const WHOLE: &[(&str, &str)] = &[

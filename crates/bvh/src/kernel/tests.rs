@@ -130,6 +130,7 @@ proptest! {
 
     /// In all configurations: no job takes more tests than its budget, and all jobs together find
     /// everything.
+    // verifies REQ-BUDGET
     #[test]
     fn no_job_takes_more_tests_than_its_budget(
         sizes in (0.05..2.0_f32, 0.05..2.0_f32), leaf_size in 1_u32..65, seed in any::<u16>(),
@@ -223,6 +224,7 @@ fn sets_test_fewer_triangles_than_pairs() {
     }
 }
 
+// verifies REQ-BUDGET
 #[test]
 fn a_beat_comes_at_least_every_so_many_tests() {
     let body = body_of(&soup(2_000, 0.3, 8), &options(Build::Paper, 64));

@@ -93,3 +93,26 @@ proptest! {
         prop_assert_eq!(ledger.thrash().is_some(), has_thrashed);
     }
 }
+
+/// Found by `cargo mutants`: each one of the test above is new.
+#[test]
+fn what_begins_again_is_as_a_new_one() {
+    let section = |node| Section { model: 0, node };
+    for cache in [Cache::Unlimited, Cache::Recent(300), Cache::Fixed(300)] {
+        let mut cache_model = CacheModel::new(2, cache);
+        let fill = |cache_model: &mut CacheModel| {
+            (0..20).map(|node| cache_model.need(0, section(node % 4), 100)).collect::<Vec<_>>()
+        };
+        let first = fill(&mut cache_model);
+        let transfer = cache_model.transfer();
+        assert!(cache_model.held_bytes(0) > 0 && transfer.missed > 0);
+        cache_model.begin();
+        assert_eq!((cache_model.held_bytes(0), cache_model.transfer()), (0, Transfer::default()));
+        assert!((0..4).all(|node| !cache_model.holds(0, section(node))));
+        assert_eq!(
+            (fill(&mut cache_model), cache_model.transfer()),
+            (first, transfer),
+            "{cache:?}"
+        );
+    }
+}

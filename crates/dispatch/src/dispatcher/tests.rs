@@ -175,6 +175,7 @@ fn recomputed(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
+    // verifies REQ-ONCE
     #[test]
     fn every_job_is_closed_exactly_once_whatever_happens(
         waves in prop::collection::vec(1_u32..40, 1..4),
@@ -307,6 +308,7 @@ fn a_worker_that_says_twice_that_it_is_ready_keeps_its_jobs() {
     }
 }
 
+// verifies REQ-ONCE
 #[test]
 fn a_job_that_takes_two_workers_down_is_abandoned_and_no_other() {
     let queues = Queues { capacity: 4, batch: 4, linger_ns: 0 };
@@ -401,5 +403,22 @@ proptest! {
         prop_assert_eq!(once.len(), shipped.len());
         prop_assert_eq!(shipped.len() as u64, transfer.missed);
         prop_assert_eq!(dispatcher.log().len() as u64, dispatcher.counts().jobs);
+    }
+}
+
+/// Found by `cargo mutants`: nobody had asked whom it dismisses, and who is busy.
+#[test]
+fn whoever_is_dismissed_gets_no_job_and_a_successor_is_not_dismissed_for_it() {
+    let queues = Queues { capacity: 2, batch: 2, linger_ns: 0 };
+    let incarnation = |inc| Incarnation { worker: 0, inc };
+    for (gone, batches) in [(incarnation(1), 0), (incarnation(0), 1)] {
+        let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
+        dispatcher.admit(incarnation(1));
+        dispatcher.dismiss(gone);
+        dispatcher.begin(NOW);
+        let (mut work, mut effects) = (Waves { left: vec![2], ..Waves::default() }, Vec::new());
+        dispatcher.step(0, Event::Poll, &mut work, &mut effects);
+        assert_eq!(effects.len(), batches, "{gone:?}: {effects:?}");
+        assert_eq!(dispatcher.is_busy(0), batches > 0);
     }
 }

@@ -1,7 +1,7 @@
 //! How much a service shares at most: with every client and listener that it can have.
 //!
-//! Services and ports are made with the numbers that stand here, and their pools have the sizes that
-//! iceoryx2 0.10 computes from them (`service/static_config`).
+//! Services and ports are made with the numbers that stand here, and their pools have the sizes
+//! that iceoryx2 0.10 computes from them (`service/static_config`).
 
 use super::{LISTENERS_MAX, NODES_MAX};
 use protocol::public::{Ask, CLIENTS_MAX, Health, WireAnswer};

@@ -270,6 +270,7 @@ fn a_request_that_finds_no_room_is_not_sent() {
 }
 
 /// What the service computes for a deployment is what there is when everybody is connected.
+// verifies REQ-BOUNDED-RESOURCES
 #[test]
 fn a_service_shares_what_is_computed_with_every_client_and_listener() {
     use std::os::unix::fs::MetadataExt as _;

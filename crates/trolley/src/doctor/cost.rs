@@ -36,6 +36,15 @@ const BEATS: u32 = 16;
 const OF_A_POSE: u64 = 16;
 
 /// What jobs of one kind cost at most.
+///
+/// ```
+/// # let file = "../../config/deployments/minimal.toml";
+/// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+/// let bounds = trolley::doctor::DeploymentBounds::find(&opened, 500, true)?;
+/// let spent: u64 = bounds.costs.kinds.iter().map(|kind| kind.spent).sum();
+/// assert!(spent > 0);
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KindCost {
     /// What makes them dear.
@@ -57,8 +66,16 @@ pub struct KindCost {
 }
 
 /// What a campaign of dear jobs measured.
+///
+/// ```
+/// # let file = "../../config/deployments/minimal.toml";
+/// # let opened = trolley::OpenDeployment::open(file.as_ref(), None)?;
+/// let costs = trolley::doctor::DeploymentBounds::find(&opened, 0, true)?.costs;
+/// assert!(costs.jobs == 0 && costs.kinds.is_empty(), "nothing was measured");
+/// # Ok::<(), trolley::Failure>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Costs {
+pub struct TestCosts {
     /// Jobs in all.
     pub jobs: u64,
     /// Threads that worked at the same time, sharing caches and memory.
@@ -81,22 +98,26 @@ struct Measured {
     batch_ns: u64,
 }
 
-impl Costs {
+impl TestCosts {
     /// Runs `jobs` jobs of all kinds on `threads` threads. `bodies` are those of a deployment, and
     /// `batch` the jobs of a batch.
     pub(super) fn measure(
         bodies: &[BodyView<'_>],
         (jobs, batch, threads): (u64, usize, usize),
     ) -> Result<Self, Failure> {
-        let families = families(bodies).map_err(|error| Failure::internal(error.to_string()))?;
+        let families = match jobs {
+            0 => Vec::new(),
+            _ => families(bodies).map_err(|error| Failure::internal(error.to_string()))?,
+        };
         let threads = threads.max(1);
         let share = jobs.div_ceil(threads as u64);
+        let number_of_threads = if families.is_empty() { 0 } else { threads };
         let all: Vec<Measured> = std::thread::scope(|scope| {
             let worker = |number: usize| {
                 let families = &families;
                 scope.spawn(move || Campaign::new(families, number as u64).run(share, batch))
             };
-            let workers: Vec<_> = (0..threads).map(worker).collect();
+            let workers: Vec<_> = (0..number_of_threads).map(worker).collect();
             let ends = workers.into_iter().map(|worker| worker.join());
             ends.map(|end| end.map_err(|_| Failure::internal("a campaign panicked")))
                 .collect::<Result<_, _>>()
@@ -127,27 +148,23 @@ impl Costs {
 
     /// The bound of a job with this budget (ns): what it costs to begin, and its tests. The last
     /// step may exceed the budget.
-    #[must_use]
-    pub fn job_bound_ns(&self, budget: u64) -> u64 {
+    pub(super) fn job_bound_ns(&self, budget: u64) -> u64 {
         self.start_ns + (self.test_ns * (budget + STEP_SPENT) as f64) as u64
     }
 
-    /// The bound of the time between two looks at the clock within a job (ns): how long work goes on
-    /// that nobody waits for any more.
-    #[must_use]
-    pub fn gap_bound_ns(&self) -> u64 {
+    /// The bound of the time between two looks at the clock within a job (ns): how long work goes
+    /// on that nobody waits for any more.
+    pub(super) fn gap_bound_ns(&self) -> u64 {
         self.start_ns + (self.test_ns * (BEAT_TESTS + STEP_TESTS + STEP_SPENT) as f64) as u64
     }
 
     /// The most that a job took (CPU, ns).
-    #[must_use]
-    pub fn job_ns(&self) -> u64 {
+    pub(super) fn job_ns(&self) -> u64 {
         self.kinds.iter().map(|kind| kind.job_ns).max().unwrap_or(0)
     }
 
     /// The longest time between two beats of a job, and of a look (CPU, ns).
-    #[must_use]
-    pub fn gaps_ns(&self) -> [u64; 2] {
+    pub(super) fn gaps_ns(&self) -> [u64; 2] {
         let longest = |gap: fn(&KindCost) -> u64| self.kinds.iter().map(gap).max().unwrap_or(0);
         [longest(|kind| kind.gap_ns), longest(|kind| kind.look_gap_ns)]
     }
@@ -333,9 +350,10 @@ mod tests {
     //! What is measured lies within what is computed from it.
     use super::*;
 
+    // verifies REQ-BUDGET
     #[test]
     fn no_job_exceeds_the_bound_that_is_made_of_all() {
-        let costs = Costs::measure(&[], (4_000, 4, 2)).unwrap();
+        let costs = TestCosts::measure(&[], (4_000, 4, 2)).unwrap();
         assert!(costs.jobs >= 4_000 && costs.threads == 2 && costs.test_ns > 0.0);
         assert!(costs.kinds.iter().all(|kind| kind.jobs > 0 && kind.spent > 0), "{costs:?}");
         for budget in BUDGETS {

@@ -1,13 +1,13 @@
 //! What a deployment takes of a machine, and how long its work may take, before it is started.
 
-use super::cost::Costs;
+use super::cost::TestCosts;
 use super::{Finding, FindingLevel, finding};
 use crate::bodies::Bodies;
 use crate::{Failure, OpenDeployment};
 use coordinator::RequestLimits;
 use runtime::{affinity, machine, realtime};
 use serde::Serialize;
-use service::{Footprint, SealedModels};
+use service::{ResourceBounds, SealedModels};
 use std::fmt::{self, Display, Formatter};
 
 /// What a deployment takes at most.
@@ -31,9 +31,9 @@ pub struct DeploymentBounds {
     /// Name of the instance.
     pub instance: String,
     /// Memory, descriptors, threads, shared memory.
-    pub footprint: Footprint,
+    pub footprint: ResourceBounds,
     /// What jobs cost.
-    pub costs: Costs,
+    pub costs: TestCosts,
     /// How long it may take, row by row.
     pub times: Vec<TimeBound>,
     /// Whether this machine grants what the deployment takes.
@@ -90,10 +90,10 @@ impl DeploymentBounds {
             program_bytes: std::fs::metadata(program).map_or(0, |file| file.len() as usize),
             cores,
         };
-        let footprint = Footprint::of(deployment, &models, in_process);
+        let footprint = ResourceBounds::of(deployment, &models, in_process);
         let bodies: Vec<_> = views.iter().map(|(_, body)| *body).collect();
         let batch = deployment.engine.batch;
-        let costs = Costs::measure(&bodies, (jobs, batch, cores))?;
+        let costs = TestCosts::measure(&bodies, (jobs, batch, cores))?;
         let findings = findings(opened, &footprint);
         let times = times(&costs, &deployment.engine);
         let instance = deployment.instance.clone();
@@ -102,9 +102,12 @@ impl DeploymentBounds {
 }
 
 /// The rows of times for these settings.
-fn times(costs: &Costs, engine: &scenario::EngineSettings) -> Vec<TimeBound> {
+fn times(costs: &TestCosts, engine: &scenario::EngineSettings) -> Vec<TimeBound> {
     let job_ns = costs.job_bound_ns(RequestLimits::BUDGET);
     let budget = RequestLimits::BUDGET;
+    if costs.jobs == 0 {
+        return Vec::new();
+    }
     let row = |what: &str, bound_ns: Option<u64>, measured_ns: Option<u64>| TimeBound {
         what: what.to_owned(),
         bound_ns,
@@ -122,7 +125,7 @@ fn times(costs: &Costs, engine: &scenario::EngineSettings) -> Vec<TimeBound> {
 }
 
 /// Whether this machine grants it.
-fn findings(opened: &OpenDeployment, footprint: &Footprint) -> Vec<Finding> {
+fn findings(opened: &OpenDeployment, footprint: &ResourceBounds) -> Vec<Finding> {
     let deployment = &opened.deployment;
     let service = footprint.processes[0];
     let level = |is_enough: bool| {
@@ -183,7 +186,8 @@ fn microseconds(ns: u64) -> String {
 
 impl Display for DeploymentBounds {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Footprint { processes, segments, folder_bytes, unnamed_bytes, .. } = &self.footprint;
+        let ResourceBounds { processes, segments, folder_bytes, unnamed_bytes, .. } =
+            &self.footprint;
         writeln!(f, "At most, computed           own MiB  program MiB  descriptors  threads")?;
         for row in processes {
             let process = format!("{} × {}", row.count, row.process);
@@ -203,18 +207,20 @@ impl Display for DeploymentBounds {
             "  {total} MiB in all; of these a request takes up to {request} from the heap\n"
         )?;
 
-        let Costs { jobs, threads, test_ns, start_ns, .. } = &self.costs;
-        writeln!(f, "Measured bound, not WCET                    µs of CPU: bound   measured")?;
-        for TimeBound { what, bound_ns, measured_ns } in &self.times {
-            let [bound, measured] =
-                [bound_ns, measured_ns].map(|ns| ns.map_or("-".to_owned(), microseconds));
-            writeln!(f, "  {what:40} {bound:>17} {measured:>10}")?;
+        if self.costs.jobs > 0 {
+            let TestCosts { jobs, threads, test_ns, start_ns, .. } = &self.costs;
+            writeln!(f, "Measured bound, not WCET                    µs of CPU: bound   measured")?;
+            for TimeBound { what, bound_ns, measured_ns } in &self.times {
+                let [bound, measured] =
+                    [bound_ns, measured_ns].map(|ns| ns.map_or("-".to_owned(), microseconds));
+                writeln!(f, "  {what:40} {bound:>17} {measured:>10}")?;
+            }
+            writeln!(
+                f,
+                "  {jobs} jobs, {threads} threads: {test_ns:.1} ns a test, {} µs to begin a job\n",
+                microseconds(*start_ns)
+            )?;
         }
-        writeln!(
-            f,
-            "  of {jobs} jobs on {threads} threads: {test_ns:.1} ns a test, {} µs to begin a job\n",
-            microseconds(*start_ns)
-        )?;
         self.findings.iter().try_for_each(|finding| finding.fmt(f))
     }
 }

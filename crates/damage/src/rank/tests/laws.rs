@@ -43,6 +43,7 @@ pub(in crate::rank) fn risks() -> impl Strategy<Value = Vec<Vec<(f64, f64, bool)
 proptest! {
     /// Whatever open work finds, the winner of the finished run was among the possible ones; and if
     /// the answer was certified, it was that winner.
+    // verifies REQ-RANK
     #[test]
     fn the_winner_of_the_finished_run_was_never_left_out(policy in policies(), risks in risks()) {
         let now: Vec<_> = risks.iter().map(|person| {
@@ -85,6 +86,7 @@ proptest! {
     }
 
     /// An accepted risk that binds is kept by the winner, or nobody wins, or who is named does.
+    // verifies REQ-POLICY
     #[test]
     fn what_binds_never_yields_an_unacceptable_winner(first in binding(), risks in risks()) {
         let candidates: Vec<_> = risks.iter()
