@@ -29,8 +29,8 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &P
         escape(plan.name())
     );
     body += &lead(plan, gathered, &judges);
-    body += &policies(gathered, &judges);
     let main = principal(plan);
+    body += &policies(gathered, &judges, &main);
     body += &differ(gathered, &judges, &main);
     body += &where_they_differ(plan, gathered, &judges, &main);
     body += &flips(plan, gathered, &judges, &main);
@@ -43,18 +43,24 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &P
     framed(plan.name(), &body, STYLE, "")
 }
 
-/// The name of each policy with its curves, where there are several sets.
+/// The name of each policy; with curves, where these are not the first set.
 fn judges(plan: &Plan) -> Vec<String> {
     let file = plan.file();
     let mut all = Vec::new();
     for policy in &file.policies {
-        for curves in &file.curves {
-            let several = file.curves.len() > 1;
-            let curves = if several { format!(", {}", curves.name) } else { String::new() };
-            all.push(format!("{}{curves}", policy.name));
+        for (number, curves) in file.curves.iter().enumerate() {
+            let curves =
+                if number > 0 { format!(", {}", title(&curves.name)) } else { String::new() };
+            all.push(format!("{}{curves}", title(&policy.name)));
         }
     }
     all
+}
+
+/// A name, or that of a file without its folder and ending.
+fn title(name: &str) -> &str {
+    let name = name.rsplit('/').next().unwrap_or(name);
+    name.strip_suffix(".toml").unwrap_or(name)
 }
 
 /// The judges that have the first set of curves.
@@ -74,16 +80,16 @@ fn other_curves(plan: &Plan, gathered: &Gathered) -> String {
         "<h2>What another harm model changes</h2><p>The share of scenes in which another manoeuvre \
          wins under the same policy with these curves in place of {}.</p><div class=\"wide\">\
          <table><tr><th>Curves</th>",
-        escape(&first.name)
+        escape(title(&first.name))
     );
-    text += &head(&file.policies.iter().map(|policy| policy.name.as_str()).collect::<Vec<_>>());
+    text += &head(&file.policies.iter().map(|policy| title(&policy.name)).collect::<Vec<_>>());
     text += "</tr>";
     for (number, curves) in (1..).zip(others) {
         let cells = principal(plan)
             .into_iter()
             .map(|judge| cell(&percent(gathered.differ[judge][judge + number], gathered.decided)));
         let cells: String = cells.collect();
-        let _w = write!(text, "<tr><td>{}</td>{cells}</tr>", escape(&curves.name));
+        let _w = write!(text, "<tr><td>{}</td>{cells}</tr>", escape(title(&curves.name)));
     }
     text += "</table></div>";
     text
@@ -178,7 +184,7 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
     text
 }
 
-fn policies(gathered: &Gathered, judges: &[String]) -> String {
+fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let mut text = "<h2>What each policy chooses, and how sure</h2><div class=\"wide\"><table>\
                     <tr>"
         .to_owned();
@@ -194,7 +200,8 @@ fn policies(gathered: &Gathered, judges: &[String]) -> String {
         "wins most often",
     ]);
     text += "</tr>";
-    for (name, judged) in judges.iter().zip(&gathered.judged) {
+    for &judge in main {
+        let (name, judged) = (&judges[judge], &gathered.judged[judge]);
         let Judged { answers, refused, .. } = judged;
         let all = answers - refused;
         let harm = mean(judged.harm).map_or("–".to_owned(), of_share);
@@ -374,14 +381,12 @@ fn worst_cases(plan: &Plan, worst: &[Recorded], judges: &[String]) -> String {
                 escape(&judges[*judge])
             ),
         };
-        let links =
-            files.as_ref().map_or("not the same answer here".to_owned(), |[record, page]| {
-                format!(
-                    "<a href=\"{}\">scene</a>, <a href=\"{}\">record</a>",
-                    escape(page),
-                    escape(record)
-                )
-            });
+        let links = files.iter().map(|file| {
+            let what = if file.ends_with(".html") { "scene" } else { "record" };
+            format!("<a href=\"{}\">{what}</a> ", escape(file))
+        });
+        let links: String = links.collect();
+        let links = if links.is_empty() { "not the same answer here".to_owned() } else { links };
         let _w = write!(
             text,
             "<tr><td class=\"n\">{}</td><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td>\
