@@ -18,7 +18,7 @@ const MAPPED: usize = 12;
 const STYLE: &str = ".map text{font-size:11px} .maps{display:flex;flex-wrap:wrap;gap:10px} \
     .map{max-width:100%;height:auto} .key{margin:4px 0 12px} .legend i{display:inline-block;\
     width:.9em;height:.9em;margin:0 4px 0 12px;border:1px solid #888;vertical-align:-.1em} \
-    td.zero{color:#999} .lead{font-size:1.08rem} .heat td.n{min-width:4.4em}";
+    td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} .heat td.n{min-width:4.4em}";
 
 /// The page.
 pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &Path) -> String {
@@ -215,7 +215,7 @@ fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
             .collect();
         let _w = write!(
             text,
-            "<tr><td>{}</td>{}{}{}{}{}{}{}<td>{}</td></tr>",
+            "<tr><td>{}</td>{}{}{}{}{}{}{}<td class=\"wins\">{}</td></tr>",
             escape(name),
             cell(&percent(judged.free, all)),
             cell(&percent(judged.certain, all)),
