@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! shards --gather, one after the other--> counts, a byte per answer, the worst few --page--> HTML
-//!                                                                        └──ranked again--> records
+//!                                                               └──ranked again--> records
 //! ```
 
 use crate::plan::{Plan, make};
@@ -26,9 +26,9 @@ struct Recorded {
     files: Vec<String>,
 }
 
-/// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`, the records of
-/// the worst cases, with a page each if `has_scenes`; returns what was written. Shards that are not finished are left
-/// out, and the page says so. `told` hears of shards that were read, of all.
+/// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`,
+/// the records of the worst cases, with a page each if `has_scenes`; returns what was written.
+/// Shards that are not finished are left out, and the page says so. `told` hears of shards that were read, of all.
 ///
 /// # Errors
 ///

@@ -18,7 +18,8 @@ const MAPPED: usize = 12;
 const STYLE: &str = ".map text{font-size:11px} .maps{display:flex;flex-wrap:wrap;gap:10px} \
     .map{max-width:100%;height:auto} .key{margin:4px 0 12px} .legend i{display:inline-block;\
     width:.9em;height:.9em;margin:0 4px 0 12px;border:1px solid #888;vertical-align:-.1em} \
-    td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} .heat td.n{min-width:4.4em}";
+    td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} \
+    .heat td.n{min-width:4.4em}";
 
 /// The page.
 pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &Path) -> String {
@@ -165,8 +166,8 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
         let step = sweep.and_then(|sweep| Some(sweep.values.get(1)? - sweep.values.first()?));
         let _w = write!(
             text,
-            " Where others really are {} σ further from where they are perceived, another manoeuvre \
-             wins in {}.",
+            " Where others really are {} σ further from where they are perceived, another \
+             manoeuvre wins in {}.",
             maps::number(step.unwrap_or(0.0)),
             of_share(share)
         );
@@ -227,8 +228,8 @@ fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
             wins.join(", ")
         );
     }
-    text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns of \
-             different policies are not compared. \"Touches nobody\" is proven until the horizon. \
+    text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns \
+             of different policies are not compared. \"Touches nobody\" is proven until the horizon. \
              \"Sure\": the ranges of the model do not overlap. – : nothing was drawn (members = \
              1).</p>";
     text
@@ -333,8 +334,8 @@ fn regret(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     }
     let mut text = "<h2>Regret: what the choice of one policy costs by the measure of another\
                     </h2><p>Mean over all scenes, and the greatest in brackets, in percentage \
-                    points of the measure at the left. A choice can have less than none: a policy's \
-                    first rule may rank above its leading measure.</p><div class=\"wide\">\
+                    points of the measure at the left. A choice can have less than none: a \
+                    policy's first rule may rank above its leading measure.</p><div class=\"wide\">\
                     <table class=\"heat\"><tr><th>measured by \\ chosen by</th>"
         .to_owned();
     text += &head(&named(judges, main));
