@@ -2,7 +2,7 @@
 //! perception, each ranked under several policies and curves; answers as tables.
 //!
 //! ```text
-//! SPEC.toml --plan--> DIR --run_shard, in many processes--> DIR/shards/*/*.parquet --report--> page
+//! SPEC.toml --plan--> DIR --run_shard, many processes--> DIR/shards/*/*.parquet --report--> page
 //!                      │                                              │
 //!                      └── inputs, policies, curves, by content   └── check: which byte is wrong
 //! ```

@@ -28,7 +28,8 @@ struct Recorded {
 
 /// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`,
 /// the records of the worst cases, with a page each if `has_scenes`; returns what was written.
-/// Shards that are not finished are left out, and the page says so. `told` hears of shards that were read, of all.
+/// Shards that are not finished are left out, and the page says so. `told`
+/// hears of shards that were read, of all.
 ///
 /// # Errors
 ///
