@@ -230,7 +230,8 @@ fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     }
     text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns \
              of different policies are not compared. \"Touches nobody\" is proven until the \
-             horizon. \"Sure\": the ranges of the model do not overlap. – : nothing was drawn (members = \
+             horizon. \"Sure\": the ranges of the model do not overlap. – : nothing was \
+             drawn (members = \
              1).</p>";
     text
 }
