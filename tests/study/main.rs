@@ -235,8 +235,8 @@ fn a_truncated_and_a_foreign_shard_are_named_and_ranked_again() {
     };
     copy(&planned.shard(3), &planned.shard(4));
     let other = Planned::new(&SPEC.replace("count = 3", "count = 4"), &[("a.scenario", POLE)]);
-    run_shard(&other.dir, 5).unwrap();
-    copy(&other.shard(5), &planned.shard(5));
+    run_shard(&other.dir, 4).unwrap();
+    copy(&other.shard(4), &planned.shard(5));
     fs::create_dir(planned.shard(99)).unwrap();
     let before = planned.files();
 
@@ -323,7 +323,7 @@ fn a_scene_that_cannot_be_ranked_is_a_row_with_the_reason() {
     assert!(refusals[&1][0].contains("inputs/0001/scenario.toml"), "{}", refusals[&1][0]);
     assert!(refusals[&1][0].contains("of unknown kind"), "{}", refusals[&1][0]);
     assert!(refusals[&2][0].contains("reaction_s = 1: candidate"), "{}", refusals[&2][0]);
-    assert!(refusals[&3][0].contains("d.scenario:11:"), "{}", refusals[&3][0]);
+    assert!(refusals[&3][0].contains("d.scenario:10:22: "), "{}", refusals[&3][0]);
 }
 
 #[test]
@@ -382,7 +382,8 @@ fn a_page_needs_no_network_and_links_to_records_that_replay() {
     let reported = planned.command(&["report", "-o", out.to_str().unwrap()]);
     assert!(reported.status.success(), "{}", text(&reported.stderr));
     let page = fs::read_to_string(&out).unwrap();
-    assert!(page.contains("default-src 'none'") && !page.contains("http"), "it fetches nothing");
+    assert!(page.contains("default-src 'none'"), "it may fetch nothing");
+    assert!(!page.contains("://") && !page.contains(" src="), "it fetches nothing");
     let mut replayed = 0;
     for link in page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
         let file = planned.place.path().join(link);

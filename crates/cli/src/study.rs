@@ -68,6 +68,9 @@ pub(crate) enum Verb {
         /// HTML page to write; the records of the worst cases go beside it.
         #[arg(short, long, value_name = "FILE.html")]
         out: PathBuf,
+        /// Write the records of the worst cases alone, and no page of each (1 MB).
+        #[arg(long)]
+        no_scenes: bool,
     },
     /// Write the scene of a row of the table `answers`, so that `trolley rank` can rank it.
     Scene {
@@ -98,9 +101,10 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
             shown(&status, || status.text(), output)
         }
         Verb::Check { dir, keep } => check(dir, *keep, output),
-        Verb::Report { dir, out } => {
+        Verb::Report { dir, out, no_scenes } => {
             let progress = output.progress("reading shards");
-            let written = study::report(dir, out, &|done, total| progress.set(done, total))?;
+            let told = |done, total| progress.set(done, total);
+            let written = study::report(dir, out, !no_scenes, &told)?;
             drop(progress);
             for file in written {
                 output.say(&format!("written: {}", file.display()));

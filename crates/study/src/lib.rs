@@ -2,15 +2,16 @@
 //! perception, each ranked under several policies and curves; answers as tables.
 //!
 //! ```text
-//! SPEC.toml --plan--> DIR --run_shard, any number of processes--> DIR/shards/*/*.parquet --report--> a page
+//! SPEC.toml --plan--> DIR --run_shard, many processes--> DIR/shards/*/*.parquet --report--> page
 //!                      │                                              │
-//!                      └── inputs, policies, curves: all by content   └── check: which byte is wrong
+//!                      └── inputs, policies, curves, by content   └── check: which byte is wrong
 //! ```
 //!
 //! A study is cut into *shards* of some hundred scenes. Whoever runs one calls [`run_shard`]: this
 //! crate's own children ([`run`]), a batch system with an array of jobs, or a cluster. It is
 //! idempotent: a finished shard is skipped, an unfinished one leaves nothing, and its rows are the
-//! same whoever ranks it, and however often. A scene that cannot be ranked is a row with the reason.
+//! same whoever ranks it, and however often. A scene that cannot be ranked is a row with the
+//! reason.
 //!
 //! # Invariants
 //!

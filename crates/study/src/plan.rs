@@ -1,7 +1,7 @@
 //! The plan of a study: what is ranked, in which order, in which shards; and its folder.
 //!
 //! ```text
-//! DIR/plan.json               what this module reads: axes, inputs, counts; its hash is the study's id
+//! DIR/plan.json               axes, inputs, counts; its hash is the study's id
 //! DIR/inputs/0000/            a scene as given: scenario.toml and the files that it names
 //! DIR/inputs.parquet          the same as a table
 //! DIR/judges/                 policies, curves and parameters, each a text

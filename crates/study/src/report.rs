@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! shards --gather, one after the other--> counts, a byte per answer, the worst few --page--> HTML
-//!                                                                        └──ranked again--> records
+//!                                                               └──ranked again--> records
 //! ```
 
 use crate::plan::{Plan, make};
@@ -21,20 +21,26 @@ const ANSWERS_MAX: u64 = 4 << 30;
 /// A worst case, ranked again.
 struct Recorded {
     worst: Worst,
-    /// Its record and its page, relative to the page of the study; `None`: it was not the same
-    /// answer, or could not be ranked.
-    files: Option<[String; 2]>,
+    /// Its record and its page, if that is written, relative to the page of the study; none: it was
+    /// not the same answer, or could not be ranked.
+    files: Vec<String>,
 }
 
-/// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`, the records of
-/// the worst cases with a page each; returns what was written. Shards that are not finished are left
-/// out, and the page says so. `told` hears of shards that were read, of all.
+/// Writes the page of a study to `out`, and beside it, in a folder called like it with `-records`,
+/// the records of the worst cases, with a page each if `has_scenes`; returns what was written.
+/// Shards that are not finished are left out, and the page says so. `told`
+/// hears of shards that were read, of all.
 ///
 /// # Errors
 ///
 /// If the folder holds no study, a shard is broken, no shard is finished, or a file cannot be
 /// written.
-pub fn report(dir: &Path, out: &Path, told: &dyn Fn(u64, u64)) -> Result<Vec<PathBuf>, Failure> {
+pub fn report(
+    dir: &Path,
+    out: &Path,
+    has_scenes: bool,
+    told: &dyn Fn(u64, u64),
+) -> Result<Vec<PathBuf>, Failure> {
     files::check(out, None)?;
     let plan = Plan::open(dir)?;
     if plan.answers() > ANSWERS_MAX {
@@ -67,24 +73,26 @@ pub fn report(dir: &Path, out: &Path, told: &dyn Fn(u64, u64)) -> Result<Vec<Pat
             recorded.push(Recorded { worst, files });
             continue;
         }
-        let found = record(&plan, &worst, out).unwrap_or_else(|failure| {
+        let found = record(&plan, &worst, out, has_scenes).unwrap_or_else(|failure| {
             tracing::warn!(row = worst.row, %failure, "a worst case has no record");
-            None
+            Vec::new()
         });
-        let names = found.map(|files| {
-            let names = files.each_ref().map(|file| relative(out, file));
-            written.extend(files);
-            names
-        });
-        recorded.push(Recorded { worst, files: names });
+        let files = found.iter().map(|file| relative(out, file)).collect();
+        written.extend(found);
+        recorded.push(Recorded { worst, files });
     }
     let text = page::page(&plan, &gathered, &recorded, out);
     files::replace(out, text.as_bytes())?;
     Ok(written)
 }
 
-/// Ranks a row again, and writes its record and its page; `None`: this program's answer is another.
-fn record(plan: &Plan, worst: &Worst, out: &Path) -> Result<Option<[PathBuf; 2]>, Failure> {
+/// Ranks a row again, and writes its record and its page; none: this program's answer is another.
+fn record(
+    plan: &Plan,
+    worst: &Worst,
+    out: &Path,
+    has_scene: bool,
+) -> Result<Vec<PathBuf>, Failure> {
     let scratch = tempfile::tempdir()
         .map_err(|error| Failure::new(FailureKind::System, error.to_string()))?;
     let scene = crate::scene::write_scene(plan, worst.row, scratch.path())?;
@@ -95,7 +103,7 @@ fn record(plan: &Plan, worst: &Worst, out: &Path) -> Result<Option<[PathBuf; 2]>
     let ranking = engine.rank(&scenario, &Limits::default().with_record())?;
     let same = ranking.answer.best().map(|best| best.name.as_str()) == worst.winner.as_deref();
     if !same {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let title = out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = out.with_file_name(format!("{title}-records"));
@@ -107,11 +115,14 @@ fn record(plan: &Plan, worst: &Worst, out: &Path) -> Result<Option<[PathBuf; 2]>
     }
     Record::prepare(&folder)?;
     let path = Record::write(&folder, &ranking)?;
+    if !has_scene {
+        return Ok(vec![path]);
+    }
     let page = folder.join("scene.html");
     let wanted = report::Wanted { page: Some(page.clone()), ..report::Wanted::default() };
     let models = scene.scenario.parent();
     report::write(&path, models, &wanted, trolley::bodies::SILENT)?;
-    Ok(Some([path, page]))
+    Ok(vec![path, page])
 }
 
 /// A path beside a page, as a link of it.

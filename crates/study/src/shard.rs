@@ -155,7 +155,7 @@ impl ShardWriter {
     fn new(plan: &Plan, shard: u32, scenes: [u64; 2]) -> Result<Self, Failure> {
         Ok(Self {
             seal: Seal::new(plan, shard, scenes),
-            hasher: [const { () }; 3].map(|()| blake3::Hasher::new()),
+            hasher: core::array::from_fn(|_| blake3::Hasher::new()),
             answers: TableWriter::new(ANSWERS)?,
             candidates: TableWriter::new(CANDIDATES)?,
             persons: TableWriter::new(PERSONS)?,

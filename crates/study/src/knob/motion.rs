@@ -188,7 +188,8 @@ pub(super) fn later(motion: &mut Table, delay_s: f64, horizon_s: f64) -> Result<
     Ok(())
 }
 
-/// Leaves out the state whose absence moves the body least: where it is on the straight line between
+/// Leaves out the state whose absence moves the body least: it is nearest to the straight line
+/// between
 /// the states beside it, at its time.
 fn thin(states: &mut Vec<Value>) {
     let placed = |state: &Value| {
@@ -203,7 +204,7 @@ fn thin(states: &mut Vec<Value>) {
         let off = [1, 2].map(|k| b[k] - a[k] - share * (c[k] - a[k]));
         libm::hypot(off[0], off[1])
     };
-    // The first three are where the body is now, where it begins its way, and the way's first piece.
+    // The first two are where the body is now, and where it begins its way.
     let inner = 2..states.len().saturating_sub(1);
     let least = inner.min_by(|a, b| off_m(*a).total_cmp(&off_m(*b)));
     states.remove(least.unwrap_or(1));

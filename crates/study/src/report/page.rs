@@ -18,7 +18,8 @@ const MAPPED: usize = 12;
 const STYLE: &str = ".map text{font-size:11px} .maps{display:flex;flex-wrap:wrap;gap:10px} \
     .map{max-width:100%;height:auto} .key{margin:4px 0 12px} .legend i{display:inline-block;\
     width:.9em;height:.9em;margin:0 4px 0 12px;border:1px solid #888;vertical-align:-.1em} \
-    td.zero{color:#999} .lead{font-size:1.08rem} .heat td.n{min-width:4.4em}";
+    td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} \
+    .heat td.n{min-width:4.4em}";
 
 /// The page.
 pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &Path) -> String {
@@ -29,8 +30,8 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &P
         escape(plan.name())
     );
     body += &lead(plan, gathered, &judges);
-    body += &policies(gathered, &judges);
     let main = principal(plan);
+    body += &policies(gathered, &judges, &main);
     body += &differ(gathered, &judges, &main);
     body += &where_they_differ(plan, gathered, &judges, &main);
     body += &flips(plan, gathered, &judges, &main);
@@ -43,18 +44,24 @@ pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &P
     framed(plan.name(), &body, STYLE, "")
 }
 
-/// The name of each policy with its curves, where there are several sets.
+/// The name of each policy; with curves, where these are not the first set.
 fn judges(plan: &Plan) -> Vec<String> {
     let file = plan.file();
     let mut all = Vec::new();
     for policy in &file.policies {
-        for curves in &file.curves {
-            let several = file.curves.len() > 1;
-            let curves = if several { format!(", {}", curves.name) } else { String::new() };
-            all.push(format!("{}{curves}", policy.name));
+        for (number, curves) in file.curves.iter().enumerate() {
+            let curves =
+                if number > 0 { format!(", {}", title(&curves.name)) } else { String::new() };
+            all.push(format!("{}{curves}", title(&policy.name)));
         }
     }
     all
+}
+
+/// A name, or that of a file without its folder and ending.
+fn title(name: &str) -> &str {
+    let name = name.rsplit('/').next().unwrap_or(name);
+    name.strip_suffix(".toml").unwrap_or(name)
 }
 
 /// The judges that have the first set of curves.
@@ -74,16 +81,16 @@ fn other_curves(plan: &Plan, gathered: &Gathered) -> String {
         "<h2>What another harm model changes</h2><p>The share of scenes in which another manoeuvre \
          wins under the same policy with these curves in place of {}.</p><div class=\"wide\">\
          <table><tr><th>Curves</th>",
-        escape(&first.name)
+        escape(title(&first.name))
     );
-    text += &head(&file.policies.iter().map(|policy| policy.name.as_str()).collect::<Vec<_>>());
+    text += &head(&file.policies.iter().map(|policy| title(&policy.name)).collect::<Vec<_>>());
     text += "</tr>";
     for (number, curves) in (1..).zip(others) {
         let cells = principal(plan)
             .into_iter()
             .map(|judge| cell(&percent(gathered.differ[judge][judge + number], gathered.decided)));
         let cells: String = cells.collect();
-        let _w = write!(text, "<tr><td>{}</td>{cells}</tr>", escape(&curves.name));
+        let _w = write!(text, "<tr><td>{}</td>{cells}</tr>", escape(title(&curves.name)));
     }
     text += "</table></div>";
     text
@@ -159,8 +166,8 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
         let step = sweep.and_then(|sweep| Some(sweep.values.get(1)? - sweep.values.first()?));
         let _w = write!(
             text,
-            " Where others really are {} σ further from where they are perceived, another manoeuvre \
-             wins in {}.",
+            " Where others really are {} σ further from where they are perceived, another \
+             manoeuvre wins in {}.",
             maps::number(step.unwrap_or(0.0)),
             of_share(share)
         );
@@ -178,7 +185,7 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
     text
 }
 
-fn policies(gathered: &Gathered, judges: &[String]) -> String {
+fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let mut text = "<h2>What each policy chooses, and how sure</h2><div class=\"wide\"><table>\
                     <tr>"
         .to_owned();
@@ -194,7 +201,8 @@ fn policies(gathered: &Gathered, judges: &[String]) -> String {
         "wins most often",
     ]);
     text += "</tr>";
-    for (name, judged) in judges.iter().zip(&gathered.judged) {
+    for &judge in main {
+        let (name, judged) = (&judges[judge], &gathered.judged[judge]);
         let Judged { answers, refused, .. } = judged;
         let all = answers - refused;
         let harm = mean(judged.harm).map_or("–".to_owned(), of_share);
@@ -208,7 +216,7 @@ fn policies(gathered: &Gathered, judges: &[String]) -> String {
             .collect();
         let _w = write!(
             text,
-            "<tr><td>{}</td>{}{}{}{}{}{}{}<td>{}</td></tr>",
+            "<tr><td>{}</td>{}{}{}{}{}{}{}<td class=\"wins\">{}</td></tr>",
             escape(name),
             cell(&percent(judged.free, all)),
             cell(&percent(judged.certain, all)),
@@ -220,9 +228,10 @@ fn policies(gathered: &Gathered, judges: &[String]) -> String {
             wins.join(", ")
         );
     }
-    text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns of \
-             different policies are not compared. \"Touches nobody\" is proven until the horizon. \
-             \"Sure\": the ranges of the model do not overlap. – : nothing was drawn (members = \
+    text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns \
+             of different policies are not compared. \"Touches nobody\" is proven until the \
+             horizon. \"Sure\": the ranges of the model do not overlap. – : nothing was \
+             drawn (members = \
              1).</p>";
     text
 }
@@ -326,8 +335,8 @@ fn regret(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     }
     let mut text = "<h2>Regret: what the choice of one policy costs by the measure of another\
                     </h2><p>Mean over all scenes, and the greatest in brackets, in percentage \
-                    points of the measure at the left. A choice can have less than none: a policy's \
-                    first rule may rank above its leading measure.</p><div class=\"wide\">\
+                    points of the measure at the left. A choice can have less than none: a \
+                    policy's first rule may rank above its leading measure.</p><div class=\"wide\">\
                     <table class=\"heat\"><tr><th>measured by \\ chosen by</th>"
         .to_owned();
     text += &head(&named(judges, main));
@@ -374,14 +383,12 @@ fn worst_cases(plan: &Plan, worst: &[Recorded], judges: &[String]) -> String {
                 escape(&judges[*judge])
             ),
         };
-        let links =
-            files.as_ref().map_or("not the same answer here".to_owned(), |[record, page]| {
-                format!(
-                    "<a href=\"{}\">scene</a>, <a href=\"{}\">record</a>",
-                    escape(page),
-                    escape(record)
-                )
-            });
+        let links = files.iter().map(|file| {
+            let what = if file.ends_with(".html") { "scene" } else { "record" };
+            format!("<a href=\"{}\">{what}</a> ", escape(file))
+        });
+        let links: String = links.collect();
+        let links = if links.is_empty() { "not the same answer here".to_owned() } else { links };
         let _w = write!(
             text,
             "<tr><td class=\"n\">{}</td><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td>\
