@@ -35,6 +35,7 @@ const LAYERS: &[&str] = &[
     "protocol",
     "xml",
     "keys",
+    "columns",
     "body",
     "shapes",
     "bvh",
@@ -55,6 +56,7 @@ const LAYERS: &[&str] = &[
     "trolley",
     "report",
     "lab",
+    "study",
     "client-c",
     "cli",
     "python",
@@ -76,11 +78,13 @@ const ONLY: &[(&str, &[&str])] = &[
     ("client", &["diagnostic", "protocol", "transport"]),
     ("client-c", &["client", "protocol", "transport"]),
     ("report", &["diagnostic", "geometry", "trolley"]),
-    ("python", &["trolley"]),
+    ("study", &["keys", "columns", "scenario", "runtime", "trolley", "report"]),
+    ("columns", &["diagnostic"]),
+    ("python", &["trolley", "study"]),
 ];
 /// Workspace crates that the command line may use, its tests aside: it parses flags, calls a
 /// library, and prints.
-const COMMAND_LINE: &[&str] = &["scenario", "client", "trolley", "report", "lab"];
+const COMMAND_LINE: &[&str] = &["scenario", "client", "trolley", "report", "lab", "study"];
 /// Maximum number of lines of the command line.
 const COMMAND_LINE_MAX: usize = 5_000;
 /// External crates, with their companions, that only a few crates of the workspace may use.
@@ -99,6 +103,8 @@ const ALONE: &[(&str, &[&str])] = &[
     ("robust", &["geometry"]),
     ("clap", &["cli", "tools"]),
     ("kuva", &["lab"]),
+    ("parquet", &["columns", "cli"]),
+    ("glob", &["study"]),
     ("pyo3", &["python"]),
     ("numpy", &["python"]),
     ("arrow", &["python"]),

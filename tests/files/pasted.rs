@@ -21,6 +21,9 @@ const LONG: &[&str] = &[
     "trolley validate config/orderings --page",
     "trolley policy check config/policies/*.toml",
     "trolley rank crash.toml --members",
+    "trolley study plan tools/study/fleet.toml",
+    "trolley study run studies/fleet",
+    "trolley study report studies/fleet",
 ];
 
 fn root() -> PathBuf {

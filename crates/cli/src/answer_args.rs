@@ -2,7 +2,7 @@
 
 use clap::Args;
 use std::path::PathBuf;
-use trolley::{Failure, Limits, Until};
+use trolley::{Failure, Limits, Until, Worlds};
 
 /// What to do with an answer, and what to assume for it.
 #[derive(Clone, Debug, Default, Args)]
@@ -25,6 +25,10 @@ pub(crate) struct AnswerArgs {
     /// writes it. Nobody else may read the file.
     #[arg(long, value_name = "KEY", requires = "record")]
     pub(crate) sign: Option<PathBuf>,
+    /// Draw N worlds, 0 to 10000, of what the model does not know [default: 200]; without members
+    /// there are none.
+    #[arg(long, value_name = "N", conflicts_with = "record")]
+    worlds: Option<i64>,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -97,7 +101,13 @@ impl LimitArgs {
 impl AnswerArgs {
     /// The limits, and whether a record or an explanation is kept.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
-        let limits = self.limits.limits()?;
+        let mut limits = self.limits.limits()?;
+        if let Some(count) = self.worlds {
+            let worlds = Worlds::new(count, 0);
+            limits = limits.with_worlds(worlds.map_err(|misfit| {
+                Failure::setting(misfit.what).with_remedy(format!("--{}", misfit.remedy))
+            })?);
+        }
         Ok(match (&self.record, self.explain) {
             (Some(_), _) => limits.with_record(),
             (None, true) => limits.with_explanation(),

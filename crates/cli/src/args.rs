@@ -103,6 +103,13 @@ pub(crate) enum Command {
     /// Measure what each step of the work costs on this machine (JSON, nanoseconds).
     #[cfg(feature = "lab")]
     Calibrate(crate::lab::calibrate::CalibrateArgs),
+    /// Rank many scenes: recordings and scenarios, swept, under several policies; tables come out.
+    #[cfg(feature = "study")]
+    #[command(after_help = crate::study::EXAMPLES)]
+    Study {
+        #[command(subcommand)]
+        verb: crate::study::Verb,
+    },
     /// Import, inspect, check, generate and export bodies.
     Model {
         #[command(subcommand)]

@@ -24,13 +24,14 @@ pub(crate) struct ManArgs {
 }
 
 /// The pages: name, what it is, text. The keys are made from the schema.
-const TOPICS: [(&str, &str, &str); 7] = [
+const TOPICS: [(&str, &str, &str); 8] = [
     ("tutorial", "from a mesh to a ranking in ten minutes", include_str!("../docs/tutorial.md")),
     ("keys", "every key of a scenario", ""),
     ("formats", "files that are read and written", include_str!("../docs/formats.md")),
     ("policies", "policies and curves that ship", include_str!("../docs/policies.md")),
     ("exit-codes", "what a command says by its exit code", include_str!("../docs/exit-codes.md")),
     ("schemes", "who gets which job", include_str!("../docs/schemes.md")),
+    ("studies", "many scenes, swept, as tables", include_str!("../docs/studies.md")),
     ("faults", "faults that are injected", include_str!("../docs/faults.md")),
 ];
 

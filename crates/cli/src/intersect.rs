@@ -1,10 +1,11 @@
 //! `trolley intersect`: the exact kernel alone, on two bodies at one pose or in motion, timed.
 //! [`trolley::intersect`] does the work.
 
-use crate::model::{BuildName, LimitArgs, reading, shown, thousands};
+use crate::model::{BuildName, LimitArgs, reading};
 use crate::output::Output;
 use crate::print;
 use clap::{Args as ClapArgs, ValueEnum};
+use report::body_text::{shown, thousands};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::Failure;

@@ -26,6 +26,8 @@ mod record;
 mod reference_args;
 mod report;
 mod serve;
+#[cfg(feature = "study")]
+mod study;
 mod table;
 mod top;
 mod traffic;
@@ -80,6 +82,8 @@ fn run(args: &Args) -> Result<ExitCode, Failure> {
         Command::Validate(options) => lab::validate::run(options, &args.output()),
         #[cfg(feature = "lab")]
         Command::Calibrate(options) => lab::calibrate::run(options),
+        #[cfg(feature = "study")]
+        Command::Study { verb } => study::run(verb, &args.output()),
         Command::Model { verb } => model::run(verb, &args.output()),
         Command::Serve(options) => serve::run(options, &args.output()),
         Command::Query(options) => query::run(options, &args.output()),

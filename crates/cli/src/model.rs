@@ -1,11 +1,10 @@
 //! `trolley model`: bodies on the command line; [`trolley::model`] does the work.
 
-mod text;
-
 use crate::output::Output;
 use crate::print;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+use report::body_text as text;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use trolley::model::{
@@ -13,8 +12,6 @@ use trolley::model::{
     LengthUnit, MeshOptions, ReadLimits, Shape, TRIANGLES_MAX, TRIANGLES_MIN,
 };
 use trolley::{Failure, FailureKind};
-
-pub(crate) use text::{shown, thousands};
 
 const IMPORT: &str = "\
 Examples:

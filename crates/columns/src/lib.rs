@@ -21,5 +21,5 @@
 mod read;
 mod table;
 
-pub use read::{Column, read};
-pub use table::{Form, Table, Value, Writer};
+pub use read::{ReadColumn, read};
+pub use table::{Form, Table, TableWriter, Value};

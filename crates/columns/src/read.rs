@@ -9,7 +9,7 @@ use std::fs::File;
 
 /// The values of a column, in the order of the rows.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Column {
+pub enum ReadColumn {
     /// Texts.
     Text(Vec<Option<String>>),
     /// Whole numbers.
@@ -20,7 +20,7 @@ pub enum Column {
     Flag(Vec<Option<bool>>),
 }
 
-impl Column {
+impl ReadColumn {
     /// The text of a row; `None` if there is none, or the column has other values.
     #[must_use]
     pub fn text(&self, row: usize) -> Option<&str> {
@@ -66,11 +66,11 @@ impl Column {
 /// # Errors
 ///
 /// If the file is no Parquet, lacks a column, or has one of another form than a table writes.
-pub fn read<const N: usize>(file: File, names: [&str; N]) -> Result<[Column; N], Failure> {
+pub fn read<const N: usize>(file: File, names: [&str; N]) -> Result<[ReadColumn; N], Failure> {
     let failed = |error: ParquetError| Failure::input(format!("it is no table: {error}"));
     let reader = SerializedFileReader::new(file).map_err(failed)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let mut read: [Option<Column>; N] = [const { None }; N];
+    let mut read: [Option<ReadColumn>; N] = [const { None }; N];
     for (name, column) in names.iter().zip(&mut read) {
         let found = schema.columns().iter().position(|column| column.name() == *name);
         let number = found.ok_or_else(|| Failure::input(format!("it has no column \"{name}\"")))?;
@@ -81,20 +81,20 @@ pub fn read<const N: usize>(file: File, names: [&str; N]) -> Result<[Column; N],
             append(column, part, rows).map_err(failed)?;
         }
     }
-    let empty = |column: Option<Column>| column.unwrap_or(Column::Text(Vec::new()));
+    let empty = |column: Option<ReadColumn>| column.unwrap_or(ReadColumn::Text(Vec::new()));
     Ok(read.map(empty))
 }
 
 /// Adds the rows of a row group to a column.
 fn append(
-    column: &mut Option<Column>,
+    column: &mut Option<ReadColumn>,
     reader: ColumnReader,
     rows: usize,
 ) -> Result<(), ParquetError> {
     let mixed = || ParquetError::General("a column has values of several forms".to_owned());
     match reader {
         ColumnReader::ByteArrayColumnReader(reader) => {
-            let Column::Text(all) = column.get_or_insert(Column::Text(Vec::new())) else {
+            let ReadColumn::Text(all) = column.get_or_insert(ReadColumn::Text(Vec::new())) else {
                 return Err(mixed());
             };
             for value in values(reader, rows)? {
@@ -103,19 +103,19 @@ fn append(
             }
         }
         ColumnReader::Int64ColumnReader(reader) => {
-            let Column::Whole(all) = column.get_or_insert(Column::Whole(Vec::new())) else {
+            let ReadColumn::Whole(all) = column.get_or_insert(ReadColumn::Whole(Vec::new())) else {
                 return Err(mixed());
             };
             all.extend(values(reader, rows)?);
         }
         ColumnReader::DoubleColumnReader(reader) => {
-            let Column::Real(all) = column.get_or_insert(Column::Real(Vec::new())) else {
+            let ReadColumn::Real(all) = column.get_or_insert(ReadColumn::Real(Vec::new())) else {
                 return Err(mixed());
             };
             all.extend(values(reader, rows)?);
         }
         ColumnReader::BoolColumnReader(reader) => {
-            let Column::Flag(all) = column.get_or_insert(Column::Flag(Vec::new())) else {
+            let ReadColumn::Flag(all) = column.get_or_insert(ReadColumn::Flag(Vec::new())) else {
                 return Err(mixed());
             };
             all.extend(values(reader, rows)?);

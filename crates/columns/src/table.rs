@@ -113,7 +113,7 @@ impl<'r, const N: usize> Table<'r, N> {
     ///
     /// If a value does not have its column's form, or the library fails.
     pub fn parquet(&self) -> Result<Vec<u8>, Failure> {
-        let mut writer = Writer::new(self.columns)?;
+        let mut writer = TableWriter::new(self.columns)?;
         writer.append(self)?;
         writer.finish()
     }
@@ -121,12 +121,12 @@ impl<'r, const N: usize> Table<'r, N> {
 
 /// A Parquet file that is written piece by piece, so that no more than a piece is in memory beside
 /// the file's bytes.
-pub struct Writer<const N: usize> {
+pub struct TableWriter<const N: usize> {
     columns: [(&'static str, Form); N],
     file: SerializedFileWriter<Vec<u8>>,
 }
 
-impl<const N: usize> Writer<N> {
+impl<const N: usize> TableWriter<N> {
     /// A file without rows.
     ///
     /// # Errors

@@ -13,7 +13,8 @@ const STYLE: &str = include_str!("../page/style.css");
 const SCRIPT: &str = include_str!("../page/view.js");
 
 /// Text as markup.
-pub(crate) fn escape(text: &str) -> String {
+#[must_use]
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -61,7 +62,8 @@ pub(crate) fn data_element(json: &str) -> String {
 }
 
 /// The frame of every page, with further style, and scripts at its end.
-pub(crate) fn framed(title: &str, body: &str, style: &str, scripts: &str) -> String {
+#[must_use]
+pub fn framed(title: &str, body: &str, style: &str, scripts: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

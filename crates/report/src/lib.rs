@@ -23,6 +23,7 @@
 //! - A still shows a triangle where it is, the nearer one before the farther: `still/tests.rs`.
 //! - A .glb is well-formed, and holds each triangle with its colour: `glb/tests.rs`.
 
+pub mod body_text;
 pub mod document;
 pub mod explain;
 pub mod glb;
@@ -41,6 +42,7 @@ pub mod text;
 pub mod work;
 mod write;
 
+pub use html::{escape, framed};
 pub use measurement::{Figure, MeasurementPage};
 pub use shot::{Shot, ShotBody, ShotPatch};
 pub use write::{Wanted, write};

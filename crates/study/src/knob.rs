@@ -2,7 +2,7 @@
 //! scenario that anybody can write out and rank.
 //!
 //! Values are SI units; angles in the text are degrees. Nothing is changed where a value is that of
-//! the scene as given ([`Knob::given`]).
+//! the scene as given ([`SweepKnob::given`]).
 
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -14,7 +14,7 @@ use motion::{number, real};
 /// What is swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Knob {
+pub enum SweepKnob {
     /// The ego's speed: a factor on it, on the same ways.
     Speed,
     /// How far the ego is to its left of where it is given (m), on all its ways.
@@ -37,8 +37,11 @@ const ERRORS: [&str; 4] = ["lateral_m", "longitudinal_m", "yaw_deg", "speed_shar
 /// The greatest that a scenario may state.
 const ERRORS_MAX: [f64; 4] = [10.0, 10.0, 90.0, 0.5];
 
-impl Knob {
-    /// All, in the order of [`Knob`]'s variants.
+/// The horizon where a scenario states none (s).
+const HORIZON_S: f64 = 5.0;
+
+impl SweepKnob {
+    /// All, in the order of [`SweepKnob`]'s variants.
     pub const ALL: [Self; 5] =
         [Self::Speed, Self::Offset, Self::Reaction, Self::ErrorSigma, Self::Errors];
 
@@ -97,7 +100,10 @@ impl Knob {
                 let yaw_rad = motion::begin(way)?.yaw_rad;
                 motion::moved(way, [-value * libm::sin(yaw_rad), value * libm::cos(yaw_rad)])
             }),
-            Self::Reaction => each_way(scenario, |way| motion::later(way, value)),
+            Self::Reaction => {
+                let horizon_s = scenario.get("horizon_s").and_then(number).unwrap_or(HORIZON_S);
+                each_way(scenario, |way| motion::later(way, value, horizon_s))
+            }
             Self::ErrorSigma => elsewhere(scenario, value),
             Self::Errors => {
                 let ego = ego(scenario);
@@ -208,3 +214,6 @@ impl Shift {
         if self.speed == 1.0 { Ok(()) } else { motion::faster(motion, self.speed) }
     }
 }
+
+#[cfg(test)]
+mod tests;

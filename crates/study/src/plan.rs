@@ -13,13 +13,13 @@
 //! A folder is whole: it can be copied to another machine, and names nothing outside of it.
 
 use crate::inputs::{self, Input};
-use crate::knob::Knob;
+use crate::knob::SweepKnob;
 use crate::rows;
-use crate::spec::{Kept, Placed, SCHEMA, Spec};
+use crate::spec::{Placed, RowSelection, SCHEMA, StudySpec};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use trolley::files::{self, InputKind};
-use trolley::{BUILD, Failure, FailureKind, SourceText};
+use trolley::{BUILD, Failure, FailureKind, SourceText, Worlds};
 
 /// Most scenes of a study.
 const SCENES_MAX: u64 = 1_000_000_000;
@@ -43,9 +43,10 @@ pub(crate) struct PlanFile {
     pub(crate) name: String,
     pub(crate) spec: String,
     pub(crate) members: [i64; 2],
+    pub(crate) worlds: i64,
     pub(crate) scenes_per_shard: u32,
-    pub(crate) candidates: Kept,
-    pub(crate) persons: Kept,
+    pub(crate) candidates: RowSelection,
+    pub(crate) persons: RowSelection,
     pub(crate) policies: Vec<Judge>,
     pub(crate) curves: Vec<Judge>,
     pub(crate) parameters: Vec<Judge>,
@@ -69,7 +70,7 @@ pub(crate) struct Judge {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Sweep {
-    pub(crate) knob: Knob,
+    pub(crate) knob: SweepKnob,
     pub(crate) values: Vec<f64>,
 }
 
@@ -91,7 +92,7 @@ pub struct SceneKey {
     /// Number of the parameters.
     pub parameters: usize,
     /// The value of each sweep, in the order of the plan.
-    pub values: Vec<(Knob, f64)>,
+    pub values: Vec<(SweepKnob, f64)>,
 }
 
 /// Plans a study, and writes its folder. The same specification, inputs and build give the same
@@ -102,7 +103,7 @@ pub struct SceneKey {
 /// If the specification or a file that it names is at fault, the folder holds another study, or it
 /// cannot be written. That a recording gives no scene is no error, but an input with a refusal.
 pub fn plan(spec: &Path, dir: &Path) -> Result<Plan, Failure> {
-    let read = Spec::open(spec)?;
+    let read = StudySpec::open(spec)?;
     let folder = spec.parent().unwrap_or(Path::new(""));
     let mut judges = Judges::default();
     let mut named = [Vec::new(), Vec::new(), Vec::new()];
@@ -136,6 +137,7 @@ pub fn plan(spec: &Path, dir: &Path) -> Result<Plan, Failure> {
         name: read.name,
         spec: read.text,
         members: read.members,
+        worlds: read.worlds,
         scenes_per_shard: read.scenes_per_shard,
         candidates: read.candidates,
         persons: read.persons,
@@ -173,12 +175,14 @@ fn judge(kind: usize, folder: &Path, written: &Placed) -> Result<SourceText, Fai
 }
 
 /// Refuses what cannot be judged together, before anything is ranked.
-fn check_judges(judges: &Judges, spec: &Spec) -> Result<(), Failure> {
-    for (policy, place) in judges.policies.iter().zip(&spec.policies) {
-        for curves in &judges.curves {
+fn check_judges(judges: &Judges, spec: &StudySpec) -> Result<(), Failure> {
+    for (policy, named) in judges.policies.iter().zip(&spec.policies) {
+        for (curves, of_curves) in judges.curves.iter().zip(&spec.curves) {
             for parameters in &judges.parameters {
-                trolley::check_criteria([policy, curves, parameters])
-                    .map_err(|failure| failure.at(&place.place))?;
+                trolley::check_criteria([policy, curves, parameters]).map_err(|failure| {
+                    let both = format!("policy \"{}\", curves \"{}\"", named.text, of_curves.text);
+                    failure.at(both).at(&of_curves.place)
+                })?;
             }
         }
     }
@@ -313,13 +317,18 @@ impl Plan {
             // Below a count that is a usize.
             digit as usize
         };
-        let mut values: Vec<(Knob, f64)> = Vec::new();
+        let mut values: Vec<(SweepKnob, f64)> = Vec::new();
         for sweep in self.file.sweeps.iter().rev() {
             values.insert(0, (sweep.knob, sweep.values[digit(sweep.values.len())]));
         }
         let parameters = digit(self.file.parameters.len());
         let input = digit(self.file.inputs.len());
         Ok(SceneKey { scene, input, parameters, values })
+    }
+
+    /// The worlds of every answer, where there are members.
+    pub(crate) fn worlds(&self) -> Worlds {
+        Worlds::new(self.file.worlds, 0).unwrap_or(Worlds::USUAL)
     }
 
     pub(crate) fn file(&self) -> &PlanFile {

@@ -5,7 +5,7 @@ use crate::plan::{Plan, SceneKey};
 use crate::rows::Answered;
 use crate::scene::Scenes;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use trolley::{Answer, Engine, Failure, FailureKind, Limits, Scenario};
+use trolley::{Answer, Engine, Failure, FailureKind, Judge, Limits, Scenario, Worlds};
 
 /// Bytes of bodies that are kept from scene to scene.
 const CACHE_BYTES: usize = 256 << 20;
@@ -13,11 +13,20 @@ const CACHE_BYTES: usize = 256 << 20;
 /// An engine, made when it is needed, and again after a panic.
 pub(crate) struct Ranker {
     engine: Option<Engine>,
+    /// Every policy with every set of curves, curves varying fastest.
+    judges: Vec<Judge>,
 }
 
 impl Ranker {
-    pub(crate) fn new() -> Self {
-        Self { engine: None }
+    pub(crate) fn new(plan: &Plan) -> Result<Self, Failure> {
+        let texts = plan.judges();
+        let mut judges = Vec::new();
+        for policy in &texts.policies {
+            for curves in &texts.curves {
+                judges.push(Judge::new(Some(policy), Some(curves))?);
+            }
+        }
+        Ok(Self { engine: None, judges })
     }
 
     /// What becomes of a scene: for each policy and set of curves an answer, or why there is none.
@@ -38,7 +47,7 @@ impl Ranker {
         };
         let mut tries = 1;
         let answers = loop {
-            match self.answers(plan, &scenario) {
+            match self.answers(plan.worlds(), &scenario) {
                 // What the machine refused it may grant the next time.
                 Err(failure) if is_passing(&failure) && tries < TRIES => tries += 1,
                 Err(failure) => return refused(&failure),
@@ -53,12 +62,13 @@ impl Ranker {
     }
 
     /// The answers under each policy and set of curves, curves varying fastest.
-    fn answers(&mut self, plan: &Plan, scenario: &Scenario) -> Result<Vec<Answer>, Failure> {
+    fn answers(&mut self, worlds: Worlds, scenario: &Scenario) -> Result<Vec<Answer>, Failure> {
         let engine = match &mut self.engine {
             Some(engine) => engine,
             none => none.insert(Engine::builder().in_process().body_cache(CACHE_BYTES).build()?),
         };
-        let judged = catch_unwind(AssertUnwindSafe(|| judged(engine, plan, scenario)));
+        let judges = &self.judges;
+        let judged = catch_unwind(AssertUnwindSafe(|| judged(engine, judges, worlds, scenario)));
         judged.unwrap_or_else(|_| {
             // Whatever it was in the middle of is not used again.
             self.engine = None;
@@ -67,18 +77,16 @@ impl Ranker {
     }
 }
 
-/// The answers to one scene.
-fn judged(engine: &mut Engine, plan: &Plan, scenario: &Scenario) -> Result<Vec<Answer>, Failure> {
-    let judges = plan.judges();
-    let mut answers = Vec::with_capacity(judges.policies.len() * judges.curves.len());
-    for policy in &judges.policies {
-        for curves in &judges.curves {
-            let scenario =
-                scenario.clone().with_curves(curves.clone())?.with_policy(policy.clone())?;
-            answers.push(engine.rank(&scenario, &Limits::default())?.answer);
-        }
-    }
-    Ok(answers)
+/// The answers to one scene: searched once, and assessed under each policy and set of curves.
+fn judged(
+    engine: &mut Engine,
+    judges: &[Judge],
+    worlds: Worlds,
+    scenario: &Scenario,
+) -> Result<Vec<Answer>, Failure> {
+    let searched = engine.search(scenario, &Limits::default())?;
+    let answer = |judge: &Judge| searched.assess(&judge.criteria(scenario)?, worlds);
+    judges.iter().map(answer).collect()
 }
 
 /// Whether the machine is at fault, and not the scene.

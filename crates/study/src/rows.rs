@@ -10,9 +10,9 @@
 //! Harm is the policy's leading measure. Where there is no value, it is missing, never 0.
 
 use crate::inputs::Input;
-use crate::knob::Knob;
+use crate::knob::SweepKnob;
 use crate::plan::{Plan, SceneKey};
-use crate::spec::Kept;
+use crate::spec::RowSelection;
 use columns::{Form, Table, Value};
 use trolley::{Answer, CourseRow, Failure};
 
@@ -189,11 +189,11 @@ impl<'r> Tables<'r> {
     }
 }
 
-fn is_kept(kept: Kept, place: i64) -> bool {
+fn is_kept(kept: RowSelection, place: i64) -> bool {
     match kept {
-        Kept::All => true,
-        Kept::First => place == 1,
-        Kept::None => false,
+        RowSelection::All => true,
+        RowSelection::First => place == 1,
+        RowSelection::None => false,
     }
 }
 
@@ -208,7 +208,7 @@ fn count<'r>(number: usize) -> Value<'r> {
 
 fn answer<'r>(plan: &'r Plan, row: &'r Row) -> [Value<'r>; 38] {
     let file = plan.file();
-    let swept = |knob: Knob| {
+    let swept = |knob: SweepKnob| {
         let found = row.key.values.iter().find(|(known, _)| *known == knob);
         Value::real(found.map(|(_, value)| *value))
     };
@@ -220,11 +220,11 @@ fn answer<'r>(plan: &'r Plan, row: &'r Row) -> [Value<'r>; 38] {
         Value::Text(&file.policies[row.policy].name),
         Value::Text(&file.curves[row.curves].name),
         Value::Text(&file.parameters[row.key.parameters].name),
-        swept(Knob::Speed),
-        swept(Knob::Offset),
-        swept(Knob::Reaction),
-        swept(Knob::ErrorSigma),
-        swept(Knob::Errors),
+        swept(SweepKnob::Speed),
+        swept(SweepKnob::Offset),
+        swept(SweepKnob::Reaction),
+        swept(SweepKnob::ErrorSigma),
+        swept(SweepKnob::Errors),
     ];
     values[..head.len()].copy_from_slice(&head);
     let tail = &mut values[head.len()..];

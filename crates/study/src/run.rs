@@ -79,7 +79,7 @@ pub fn run(
     let mut open = VecDeque::new();
     let mut done = RunDone::default();
     let mut scenes_done = 0;
-    for shard in 0..plan.shards() {
+    for shard in spread(plan.shards()) {
         if Seal::read(&plan, shard).is_ok() {
             done.skipped += 1;
             let scenes = plan.scenes_of(shard)?;
@@ -107,6 +107,23 @@ pub fn run(
     });
     served.into_iter().collect::<Result<(), Failure>>()?;
     Ok(share.done.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// All shards, neighbours far from each other, so that what is finished is spread over the study at
+/// any time: steps of the golden section.
+fn spread(shards: u32) -> impl Iterator<Item = u32> {
+    let count = u64::from(shards.max(1));
+    let divides = |step: u64| {
+        let (mut a, mut b) = (count, step);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a == 1
+    };
+    let golden = (count * 618 / 1000).max(1);
+    let step = (golden..=count).find(|step| divides(*step)).unwrap_or(1);
+    // Below a count that is a u32.
+    (0..u64::from(shards)).map(move |number| (number * step % count) as u32)
 }
 
 /// Plays the child: runs the shards that the standard input names, and tells on the standard
@@ -318,6 +335,22 @@ fn sweep_up(plan: &Plan) {
         if is_ours && !Path::new("/proc").join(process).exists() {
             // If it cannot be removed, it is in nobody's way.
             let _gone = std::fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! Every shard has its turn, once.
+
+    use super::spread;
+
+    #[test]
+    fn every_shard_has_its_turn() {
+        for count in (0..200).chain([216, 1_183, 65_536]) {
+            let mut all: Vec<u32> = spread(count).collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>());
         }
     }
 }

@@ -107,12 +107,26 @@ impl Base {
 }
 
 /// A row of a study, as files that `trolley rank` takes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct WrittenScene {
     /// The scenario.
     pub scenario: PathBuf,
     /// Whether parties of unknown kind are taken as fixed: `--assume unknown=fixed`.
     pub unknown_is_fixed: bool,
+    /// How many worlds its answer is to have.
+    pub worlds: u32,
+}
+
+impl WrittenScene {
+    /// Returns the command that ranks it as the study does.
+    #[must_use]
+    pub fn command(&self) -> String {
+        let assume = if self.unknown_is_fixed { " --assume unknown=fixed" } else { "" };
+        let usual = trolley::Worlds::USUAL.count;
+        let worlds = (self.worlds != usual).then(|| format!(" --worlds {}", self.worlds));
+        let worlds = worlds.unwrap_or_default();
+        format!("trolley rank {}{assume}{worlds}", self.scenario.display())
+    }
 }
 
 /// Writes the scene of a row of the table `answers` into a folder, with its policy, its curves, its
@@ -155,5 +169,6 @@ pub fn write_scene(plan: &Plan, row: u64, folder: &Path) -> Result<WrittenScene,
     let scenario = folder.join("scenario.toml");
     let text = toml::to_string(&table).map_err(|error| Failure::internal(error.to_string()))?;
     files::replace(&scenario, text.as_bytes())?;
-    Ok(WrittenScene { scenario, unknown_is_fixed: input.unknown_is_fixed })
+    let worlds = plan.worlds().count;
+    Ok(WrittenScene { scenario, unknown_is_fixed: input.unknown_is_fixed, worlds })
 }

@@ -10,7 +10,7 @@ use crate::ranker::Ranker;
 use crate::rows::{self, ANSWERS, CANDIDATES, PERSONS, Row, Tables};
 use crate::scene::Scenes;
 use crate::seal::{self, Broken, SEAL, Seal, SealedFile, TABLES};
-use columns::Writer;
+use columns::TableWriter;
 use runtime::machine;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use trolley::{Failure, FailureKind, files};
 const PIECE: usize = 512;
 
 /// A shard that is finished.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ShardDone {
     /// Its number.
     pub shard: u32,
@@ -66,7 +66,8 @@ impl Runner {
     pub(crate) fn watched(dir: &Path, watcher: Watcher) -> Result<Self, Failure> {
         let plan = Plan::open(dir)?;
         plan.check_build()?;
-        Ok(Self { plan, ranker: Ranker::new(), watcher })
+        let ranker = Ranker::new(&plan)?;
+        Ok(Self { plan, ranker, watcher })
     }
 
     /// The plan.
@@ -145,19 +146,19 @@ fn done(seal: &Seal, was_finished: bool) -> ShardDone {
 struct ShardWriter {
     seal: Seal,
     hasher: [blake3::Hasher; 3],
-    answers: Writer<38>,
-    candidates: Writer<18>,
-    persons: Writer<9>,
+    answers: TableWriter<38>,
+    candidates: TableWriter<18>,
+    persons: TableWriter<9>,
 }
 
 impl ShardWriter {
     fn new(plan: &Plan, shard: u32, scenes: [u64; 2]) -> Result<Self, Failure> {
         Ok(Self {
             seal: Seal::new(plan, shard, scenes),
-            hasher: [const { () }; 3].map(|()| blake3::Hasher::new()),
-            answers: Writer::new(ANSWERS)?,
-            candidates: Writer::new(CANDIDATES)?,
-            persons: Writer::new(PERSONS)?,
+            hasher: core::array::from_fn(|_| blake3::Hasher::new()),
+            answers: TableWriter::new(ANSWERS)?,
+            candidates: TableWriter::new(CANDIDATES)?,
+            persons: TableWriter::new(PERSONS)?,
         })
     }
 

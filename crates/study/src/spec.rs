@@ -1,12 +1,12 @@
 //! The file that says what to study, read and checked: every fault with its place and a remedy.
 
-use crate::knob::Knob;
+use crate::knob::SweepKnob;
 use keys::Twice;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
-use trolley::Failure;
 use trolley::files::{self, InputKind};
+use trolley::{Failure, Worlds};
 
 /// Name and version of the form.
 pub(crate) const SCHEMA: &str = "trolley.study/1";
@@ -21,13 +21,13 @@ const SHARD: i64 = 500;
 const NAME_MAX: usize = 60;
 
 const KEYS: &str = "a study has schema, name, policies, [[recordings]] or [[scenarios]], and may \
-                    have curves, parameters, members, members_max, scenes_per_shard, candidates, \
-                    persons and [sweep.NAME]: trolley help study";
+                    have curves, parameters, members, members_max, worlds, scenes_per_shard, \
+                    candidates, persons and [sweep.NAME]: trolley help studies";
 
 /// Of what there are rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kept {
+pub enum RowSelection {
     /// Of every candidate.
     All,
     /// Of the candidate that comes first.
@@ -37,18 +37,19 @@ pub enum Kept {
 }
 
 /// A specification that was read: syntax, names and ranges are right, no file was opened but it.
-pub(crate) struct Spec {
+pub(crate) struct StudySpec {
     pub(crate) text: String,
     pub(crate) name: String,
     pub(crate) members: [i64; 2],
+    pub(crate) worlds: i64,
     pub(crate) scenes_per_shard: u32,
-    pub(crate) candidates: Kept,
-    pub(crate) persons: Kept,
+    pub(crate) candidates: RowSelection,
+    pub(crate) persons: RowSelection,
     pub(crate) policies: Vec<Placed>,
     pub(crate) curves: Vec<Placed>,
     pub(crate) parameters: Vec<Placed>,
     pub(crate) sources: Vec<Source>,
-    pub(crate) sweeps: Vec<(Knob, Vec<f64>)>,
+    pub(crate) sweeps: Vec<(SweepKnob, Vec<f64>)>,
 }
 
 /// A text of the specification, and where it stands: "study.toml:4:13".
@@ -88,9 +89,10 @@ struct File {
     name: Spanned<String>,
     members: Option<Spanned<i64>>,
     members_max: Option<Spanned<i64>>,
+    worlds: Option<Spanned<i64>>,
     scenes_per_shard: Option<Spanned<i64>>,
-    candidates: Option<Kept>,
-    persons: Option<Kept>,
+    candidates: Option<RowSelection>,
+    persons: Option<RowSelection>,
     policies: Spanned<Vec<Spanned<String>>>,
     curves: Option<Spanned<Vec<Spanned<String>>>>,
     parameters: Option<Spanned<Vec<Spanned<String>>>>,
@@ -153,7 +155,7 @@ struct Reader<'t> {
     text: &'t str,
 }
 
-impl Spec {
+impl StudySpec {
     pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
         Self::parse(&path.display().to_string(), files::text(path, InputKind::Plan)?)
     }
@@ -181,6 +183,12 @@ impl Spec {
             let written = read.members_max.as_ref().or(read.members.as_ref());
             let begin = written.map_or(0, |written| written.span().start);
             return Err(reader.refused(begin, failure.what(), "members may be 1 to 1024"));
+        }
+        let worlds =
+            read.worlds.as_ref().map_or(i64::from(Worlds::USUAL.count), |it| *it.get_ref());
+        if let Err(misfit) = Worlds::new(worlds, 0) {
+            let begin = read.worlds.as_ref().map_or(0, |worlds| worlds.span().start);
+            return Err(reader.refused(begin, &misfit.what, &misfit.remedy));
         }
         let scenes_per_shard = match &read.scenes_per_shard {
             None => SHARD,
@@ -214,10 +222,11 @@ impl Spec {
         let spec = Self {
             name: name.clone(),
             members: [count, most],
+            worlds,
             // Checked above.
             scenes_per_shard: u32::try_from(scenes_per_shard).unwrap_or(1),
-            candidates: read.candidates.unwrap_or(Kept::All),
-            persons: read.persons.unwrap_or(Kept::All),
+            candidates: read.candidates.unwrap_or(RowSelection::All),
+            persons: read.persons.unwrap_or(RowSelection::All),
             policies: reader.list(&read.policies, "policies")?,
             curves: named(read.curves.as_ref(), "curves")?,
             parameters: named(read.parameters.as_ref(), "parameters")?,
@@ -304,11 +313,11 @@ impl Reader<'_> {
         })
     }
 
-    fn sweeps(&self, written: &SweepFile) -> Result<Vec<(Knob, Vec<f64>)>, Failure> {
+    fn sweeps(&self, written: &SweepFile) -> Result<Vec<(SweepKnob, Vec<f64>)>, Failure> {
         let SweepFile { speed, offset_m, reaction_s, error_sigma, errors } = written;
         let all = [speed, offset_m, reaction_s, error_sigma, errors];
         let mut sweeps = Vec::new();
-        for (knob, range) in Knob::ALL.into_iter().zip(all) {
+        for (knob, range) in SweepKnob::ALL.into_iter().zip(all) {
             if let Some(range) = range {
                 sweeps.push((knob, self.values(range, knob.name(), knob.limits())?));
             }
@@ -362,3 +371,6 @@ impl Reader<'_> {
         Ok(values.into_iter().map(|value| value + 0.0).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

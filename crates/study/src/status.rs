@@ -64,6 +64,42 @@ pub struct BrokenShard {
     pub is_redone: bool,
 }
 
+impl Status {
+    /// Returns all that in lines.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { shards, finished, scenes, scenes_finished, rows, refused, .. } = self;
+        let mut text = format!(
+            "{}: {finished} of {shards} shards, {scenes_finished} of {scenes} scenes\n\
+             rows       {} answers ({refused} refused), {} candidates, {} persons\n\
+             attempts   {}, {} processes died of a scene\n\
+             study      {}",
+            self.name, rows[0], rows[1], rows[2], self.attempts, self.deaths, self.study
+        );
+        if self.broken > 0 {
+            text += &format!("\nbroken     {} shards: trolley study check", self.broken);
+        }
+        if let Some(hash) = &self.rows_hash {
+            text += &format!("\nrows hash  {hash}");
+        }
+        text
+    }
+}
+
+impl Checked {
+    /// Returns all that in lines, a line for each shard that was not sound.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { shards, sound, absent, broken } = self;
+        let mut text = format!("{sound} of {shards} shards are sound, {absent} not finished.");
+        for BrokenShard { shard, faults, is_redone } in broken {
+            let redone = if *is_redone { ", ranked again" } else { "" };
+            text += &format!("\nShard {shard}{redone}: {}", faults.join("; "));
+        }
+        text
+    }
+}
+
 /// Says how far the study in a folder is. Files are not read, but for seals: see [`check`].
 ///
 /// # Errors

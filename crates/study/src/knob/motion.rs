@@ -146,7 +146,8 @@ pub(super) fn faster(motion: &mut Table, times: f64) -> Result<(), String> {
 }
 
 /// Lets a motion begin so much later (s), where it is by then, straight on from where it is at 0.
-pub(super) fn later(motion: &mut Table, delay_s: f64) -> Result<(), String> {
+/// States after the first one beyond the horizon say nothing any more, and are left out.
+pub(super) fn later(motion: &mut Table, delay_s: f64, horizon_s: f64) -> Result<(), String> {
     if let Some(state) = single(motion, "state") {
         if get(state, "yaw_rate_deg_s", 0.0) == 0.0 {
             return Ok(());
@@ -177,11 +178,33 @@ pub(super) fn later(motion: &mut Table, delay_s: f64) -> Result<(), String> {
         states.insert(0, straight(delay_s));
     }
     states.insert(0, straight(0.0));
-    if states.len() > STATES_MAX {
-        return Err(format!(
-            "with a state more it has {}, and a path holds {STATES_MAX}",
-            states.len()
-        ));
+    let time_s = |state: &Value| state.as_table().map_or(0.0, |state| get(state, "t_s", 0.0));
+    if let Some(last) = states.iter().position(|state| time_s(state) >= horizon_s) {
+        states.truncate(last + 1);
+    }
+    while states.len() > STATES_MAX {
+        thin(states);
     }
     Ok(())
+}
+
+/// Leaves out the state whose absence moves the body least: where it is on the straight line between
+/// the states beside it, at its time.
+fn thin(states: &mut Vec<Value>) {
+    let placed = |state: &Value| {
+        let table = state.as_table()?;
+        let [x, y, _] = position(table).ok()?;
+        Some([get(table, "t_s", 0.0), x, y])
+    };
+    let off_m = |number: usize| {
+        let [a, b, c] = [number - 1, number, number + 1].map(|number| placed(&states[number]));
+        let (Some(a), Some(b), Some(c)) = (a, b, c) else { return f64::INFINITY };
+        let share = (b[0] - a[0]) / (c[0] - a[0]);
+        let off = [1, 2].map(|k| b[k] - a[k] - share * (c[k] - a[k]));
+        libm::hypot(off[0], off[1])
+    };
+    // The first three are where the body is now, where it begins its way, and the way's first piece.
+    let inner = 2..states.len().saturating_sub(1);
+    let least = inner.min_by(|a, b| off_m(*a).total_cmp(&off_m(*b)));
+    states.remove(least.unwrap_or(1));
 }

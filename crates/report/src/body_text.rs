@@ -1,16 +1,17 @@
-//! The text output of `trolley model`.
+//! A body, a mesh or a checked file as lines for a terminal.
 
 use std::fmt::Write as _;
 use trolley::model::facts::{surface, triangles};
 use trolley::model::{Facts, FileCheck, MeshInfo, Reading, Report, Seat};
 
-pub(crate) use trolley::model::facts::thousands;
+pub use trolley::model::facts::thousands;
 
 /// Maximum number of parts in the table; JSON has all.
 const PARTS_SHOWN: usize = 20;
 
 /// The table. `read` and `notes` come from an import.
-pub(super) fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> String {
+#[must_use]
+pub fn table(facts: &Facts, read: Option<&str>, notes: &[String]) -> String {
     let mut text = format!("{}\n\n", facts.sentence);
     let mut row = |name: &str, value: &str| {
         // Writing to a string cannot fail.
@@ -142,7 +143,8 @@ fn rounded(value: f64) -> String {
 }
 
 /// "OBJ, 36,972 triangles, of which 26,756 in the selected parts; body.toml".
-pub(super) fn read(report: &Report) -> String {
+#[must_use]
+pub fn read(report: &Report) -> String {
     let mut text = format!("{}, {}", report.format, triangles(report.triangles_in_file));
     if report.triangles_selected != report.triangles_in_file {
         let selected = thousands(report.triangles_selected);
@@ -155,7 +157,8 @@ pub(super) fn read(report: &Report) -> String {
 }
 
 /// The line of a checked file.
-pub(super) fn verdict(verdict: &FileCheck) -> String {
+#[must_use]
+pub fn verdict(verdict: &FileCheck) -> String {
     let (state, mut text) = match (&verdict.what, &verdict.fault) {
         (Some(what), _) => ("ok", format!("{}: {what}", verdict.file)),
         (None, fault) => ("refused", fault.clone().unwrap_or_default()),
@@ -170,7 +173,8 @@ pub(super) fn verdict(verdict: &FileCheck) -> String {
 }
 
 /// The contents of a mesh, and suggestions of its unit and axes.
-pub(super) fn mesh(info: &MeshInfo) -> String {
+#[must_use]
+pub fn mesh(info: &MeshInfo) -> String {
     let [x, y, z] = info.extent;
     let mut text = format!(
         "{}: {} mesh, {} triangles, {x:.5} × {y:.5} × {z:.5} along x, y, z in its own numbers\n",
@@ -212,6 +216,7 @@ pub(super) fn mesh(info: &MeshInfo) -> String {
 }
 
 /// Untrusted text, safe for a terminal: control characters are replaced.
-pub(crate) fn shown(text: &str) -> String {
+#[must_use]
+pub fn shown(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
