@@ -1,4 +1,4 @@
-//! `cargo x engines`: a study by every engine, with nodes and drivers killed, and the page about it.
+//! `cargo x engines`: a study by every engine, with nodes and drivers killed, and its page.
 //!
 //! ```text
 //! wheel ──▶ an environment with Ray ──▶ a network namespace with lo alone ──▶ the page

@@ -67,7 +67,7 @@ pub use plan_scene::{
 pub use rounds::EncounterEffort;
 #[cfg(test)]
 pub(crate) use rounds::first_round;
-pub use searched::{AssessError, SearchedCourses, search_courses};
+pub use searched::{AssessmentError, SearchedCourses, search_courses};
 pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};

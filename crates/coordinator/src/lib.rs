@@ -46,7 +46,7 @@ mod workspace;
 pub use answer::{PersonRow, PoseRow};
 
 pub use course::{
-    Alternative, Answer, AssessError, AtHorizon, CombinedRisk, ContactRow, ContactScene,
+    Alternative, Answer, AssessmentError, AtHorizon, CombinedRisk, ContactRow, ContactScene,
     ContactStep, CourseChain, CourseEffort, CourseHistory, CoursePersonRow, CourseRequest,
     CourseRow, EncounterEffort, ExpectedRow, Explanation, FlipRow, MemberRow, MembersRow, MetRow,
     NearestRow, PlanContact, PlanCourse, PlanMember, PlanMemberCourse, PlanNearest, PlanParty,

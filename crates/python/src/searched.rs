@@ -148,7 +148,7 @@ pub(crate) fn assess_many(
     let scenes: Vec<&SearchedScene> = searched.iter().map(Bound::get).collect();
     let (judges, worlds) =
         py.detach(|| asked.judges()).map_err(|failure: Failure| raise(py, &failure))?;
-    let one = |number: usize| {
+    let outcome = |number: usize| {
         let (scene, judge) = (number / judges.len(), number % judges.len());
         scenes[scene].outcome(scene, &judges[judge], worlds).map(Arc::new)
     };
@@ -157,7 +157,7 @@ pub(crate) fn assess_many(
     for from in (0..all).step_by(BLOCK) {
         py.check_signals()?;
         let block = from..all.min(from + BLOCK);
-        outcomes.extend(py.detach(|| in_threads(count, block, &one)));
+        outcomes.extend(py.detach(|| in_threads(count, block, &outcome)));
     }
     if !keep_going {
         raise_first(py, "assessments", &outcomes)?;

@@ -8,8 +8,8 @@
 //! Where the ego goes and whom it meets follows from bodies, motions and the parameters of contact
 //! and dynamics. Policy and curves decide three things of a search only, and all three are settled
 //! here: work is not ended early, nothing is lost, and *every* stage of members that a policy may
-//! ask for is followed, so that the rule that ends stages can be applied again. So an assessment is,
-//! byte for byte, the answer of [`rank_courses`](super::rank_courses) under these criteria.
+//! ask for is followed, so that the rule that ends stages can be applied again. So an assessment
+//! is, byte for byte, the answer of [`rank_courses`](super::rank_courses) under these criteria.
 //!
 //! # Invariants
 //!
@@ -84,7 +84,7 @@ struct SearchedContact {
 
 /// Why a scene that was searched cannot be assessed.
 #[derive(Clone, Debug, thiserror::Error)]
-pub enum AssessError {
+pub enum AssessmentError {
     /// It cannot be ranked under these criteria, as a fresh ranking would say.
     #[error(transparent)]
     Request(#[from] RequestError),
@@ -93,7 +93,7 @@ pub enum AssessError {
     Parameters,
 }
 
-impl Diagnostic for AssessError {
+impl Diagnostic for AssessmentError {
     fn kind(&self) -> FailureKind {
         FailureKind::Refused
     }
@@ -223,9 +223,9 @@ impl SearchedCourses {
     /// # Errors
     ///
     /// If a fresh ranking had an error, or with other parameters than those of the search.
-    pub fn assess(&self, criteria: &Criteria, worlds: Worlds) -> Result<Answer, AssessError> {
+    pub fn assess(&self, criteria: &Criteria, worlds: Worlds) -> Result<Answer, AssessmentError> {
         if criteria.parameters != self.parameters {
-            return Err(AssessError::Parameters);
+            return Err(AssessmentError::Parameters);
         }
         let names = self.described.rows.iter().map(|row| row.name.as_str());
         let criteria = &Criteria { policy: criteria.policy.among(names), ..criteria.clone() };
