@@ -71,9 +71,11 @@ fn a_service_at_its_limits_takes_no_more_than_is_computed_and_not_far_less() {
         segments
     };
     // All but one client, which asks now. Some may have had their answers by then.
-    wait_for(20_000, || (look() + 8 >= all).then_some(()));
+    wait_for(3_000, || (look() + 8 >= all).then_some(()));
+    // Complete, degraded at its deadline, or one too many on a busy machine: each takes memory.
     let output = serving.query(&scenario, &["--json"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    let code = output.status.code();
+    assert!(matches!(code, Some(0 | 3 | 75)), "{code:?}: {}", text(&output.stdout));
     look();
     for other in &mut others {
         let _ended = other.kill();

@@ -134,14 +134,16 @@ impl<T: Send + Debug + Abandonable> Drop for Kept<T> {
 impl<T: Send + Debug + Abandonable> Abandonable for Kept<T> {
     unsafe fn abandon_in_place(this: NonNull<Self>) {
         // SAFETY: the caller passes a value that it does not use again.
-        let this = unsafe { this.read() };
-        if this.counted().count.get() == 1 {
-            let value = &raw const this.counted().value;
-            // SAFETY: nobody else has the value, and it is not used again: its place is not given
-            // back, as that of a process that dies.
-            unsafe { T::abandon_in_place(NonNull::new_unchecked(value.cast_mut())) };
-            core::mem::forget(this);
+        let this = core::mem::ManuallyDrop::new(unsafe { this.read() });
+        if this.counted().count.get() > 1 {
+            // Others have it still.
+            drop(core::mem::ManuallyDrop::into_inner(this));
+            return;
         }
+        let value = NonNull::from(&this.counted().value);
+        // SAFETY: nobody else has the value, and it is not used again: its place is not given back,
+        // as that of a process that dies.
+        unsafe { T::abandon_in_place(value) };
     }
 }
 
