@@ -1,6 +1,6 @@
-//! Traces of simulators, as `tools/traces/write.py` has a library of others write them and as esmini
-//! wrote them, beside twins of the same scenes that are written by hand or converted by others: the
-//! same contacts, within 20 ms. And what is no trace, as a user meets it.
+//! Traces of simulators, as `tools/traces/write.py` has a library of others write them and as
+//! esmini wrote them, beside twins of the same scenes that are written by hand or converted by
+//! others: the same contacts, within 20 ms. And what is no trace, as a user meets it.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use crate::support::{Place, text, trolley};
@@ -218,9 +218,9 @@ fn a_test_against_a_standing_car_as_esmini_plays_it() {
 
 #[test]
 fn a_test_against_a_braking_car_as_esmini_plays_it() {
-    // 40 m ahead and as fast, it brakes with 2 m/s² until it creeps with 2 km/h: from 3 s after the
-    // distance is made, which takes the first step of 50 ms. In each step it moves with the speed of
-    // the step's end, as if it had begun half a step before.
+    // 40 m ahead and as fast, it brakes with 2 m/s² until it creeps with 2 km/h: from 3 s after
+    // the distance is made, which takes the first step of 50 ms. In each step it moves with the
+    // speed of the step's end, as if it had begun half a step before.
     const CREEPS_M_S: f64 = 2.0 / 3.6;
     let braked_s = 8.5 - (3.05 - 0.025);
     let (gap_m, speed_m_s) = (40.0 - braked_s * braked_s, V_M_S - 2.0 * braked_s);

@@ -11,6 +11,7 @@ use trolley::{Answer, Failure};
 /// A ranking, ready to be handed to Python.
 pub(crate) struct Outcome {
     /// The number of the scene, if several outcomes are of one.
+    #[cfg_attr(not(feature = "arrow"), expect(dead_code, reason = "tables of Arrow have it"))]
     pub(crate) scene: Option<usize>,
     pub(crate) name: String,
     pub(crate) answer: Answer,

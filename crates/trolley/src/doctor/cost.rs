@@ -119,12 +119,12 @@ impl TestCosts {
             };
             let workers: Vec<_> = (0..number_of_threads).map(worker).collect();
             let ends = workers.into_iter().map(|worker| worker.join());
-            ends.map(|end| end.map_err(|_| Failure::internal("a campaign panicked")))
+            ends.map(|end| end.map_err(|_panic| Failure::internal("a campaign panicked")))
                 .collect::<Result<_, _>>()
         })?;
         let mut kinds = Vec::new();
-        for number in 0..families.len() {
-            let mut sum = KindCost { kind: families[number].name, ..KindCost::default() };
+        for (number, family) in families.iter().enumerate() {
+            let mut sum = KindCost { kind: family.name, ..KindCost::default() };
             for kind in all.iter().map(|measured| &measured.kinds[number]) {
                 sum.jobs += kind.jobs;
                 sum.spent += kind.spent;
@@ -257,7 +257,7 @@ impl<'f, 'b> Campaign<'f, 'b> {
                 }
                 let start = self.starts[self.rng.below(self.starts.len() as u64) as usize];
                 let (question, directions) = (Question::Sets, None);
-                let ns = self.job(kind, Task { a, b, pose, question, directions }, start);
+                let ns = self.job(kind, &Task { a, b, pose, question, directions }, start);
                 sum_ns += ns - last.pop_front().unwrap_or(0);
                 last.push_back(ns);
                 self.measured.batch_ns = self.measured.batch_ns.max(sum_ns);
@@ -267,7 +267,7 @@ impl<'f, 'b> Campaign<'f, 'b> {
     }
 
     /// Runs a job; returns the CPU time that it took (ns).
-    fn job(&mut self, kind: usize, task: Task<'_>, start: NodePair) -> u64 {
+    fn job(&mut self, kind: usize, task: &Task<'_>, start: NodePair) -> u64 {
         let budget = match self.rng.below(WHOLE) {
             0 => RequestLimits::BUDGET,
             _ => BUDGETS[self.rng.below(BUDGETS.len() as u64) as usize],
@@ -277,7 +277,7 @@ impl<'f, 'b> Campaign<'f, 'b> {
             1 => (Question::Pairs, Some(&self.directions)),
             _ => (Question::Sets, None),
         };
-        let task = Task { question, directions, ..task };
+        let task = Task { question, directions, ..*task };
         let wall_ns = clock::now_ns();
         let begun_ns = clock::thread_cpu_ns();
         let mut beats = Beats::new(begun_ns);
