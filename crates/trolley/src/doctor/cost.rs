@@ -258,7 +258,7 @@ impl<'f, 'b> Campaign<'f, 'b> {
                 let start = self.starts[self.rng.below(self.starts.len() as u64) as usize];
                 let (question, directions) = (Question::Sets, None);
                 let ns = self.job(kind, &Task { a, b, pose, question, directions }, start);
-                sum_ns += ns - last.pop_front().unwrap_or(0);
+                sum_ns = sum_ns + ns - last.pop_front().unwrap_or(0);
                 last.push_back(ns);
                 self.measured.batch_ns = self.measured.batch_ns.max(sum_ns);
             }
