@@ -62,7 +62,7 @@ mod tests {
             RequestExtent { parties: 3, ..least },
             RequestExtent { states: 3, ..least },
             RequestExtent { members: 2, ..least },
-            RequestExtent { triangles: 501, ..least },
+            RequestExtent { triangles: 600, ..least },
         ];
         assert!(more.iter().all(|more| more.heap_bytes() > least.heap_bytes()));
         assert!(least.heap_bytes() > SLOTS_MAX * JOB_BYTES);

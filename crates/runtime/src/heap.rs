@@ -87,14 +87,17 @@ pub fn explain_aborts() {
     let mut action: libc::sigaction = unsafe { core::mem::zeroed() };
     let handler: extern "C" fn(libc::c_int) = on_abort;
     action.sa_sigaction = handler as libc::sighandler_t;
-    // SAFETY: the handler calls mmap, munmap, write and _exit alone, which change nothing that the
-    // interrupted code may be at, and returns otherwise; the old action is not asked for.
+    // The next such signal ends the process.
+    action.sa_flags = libc::SA_RESETHAND;
+    // SAFETY: the handler calls mmap, munmap, write, raise and _exit alone, which change nothing
+    // that the interrupted code may be at; the old action is not asked for.
     let set = unsafe { libc::sigaction(libc::SIGABRT, &raw const action, core::ptr::null_mut()) };
     debug_assert_eq!(set, 0, "SIGABRT is a signal that can be caught");
 }
 
-/// Returns if there is memory: abort(3) then goes on, as without a handler.
-extern "C" fn on_abort(_: libc::c_int) {
+/// If there is memory, the signal comes again, whoever sent it, and does what it does without a
+/// handler.
+extern "C" fn on_abort(number: libc::c_int) {
     let kind = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
     let rights = libc::PROT_READ | libc::PROT_WRITE;
     // SAFETY: a new mapping, wherever there is room, that nobody else knows of.
@@ -104,6 +107,8 @@ extern "C" fn on_abort(_: libc::c_int) {
     }
     // SAFETY: the mapping made above, which nothing points into.
     let _gone = unsafe { libc::munmap(place, LEAST_GROWTH) };
+    // SAFETY: the signal has no handler any more, and is blocked until this one returns.
+    let _raised = unsafe { libc::raise(number) };
 }
 
 /// How often the calling thread has asked for memory: new or larger. It stays at 0 if [`Counting`]
