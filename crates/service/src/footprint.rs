@@ -181,10 +181,12 @@ mod tests {
             "members_limit = 128\n[decisions]\nfolder = \"d\"\n[engine]",
             "members_limit = 128\n[realtime]\nheap_mib = 1000\n[engine]",
             "members_limit = 128\n[engine]\nqueue = 999",
-            "members_limit = 128\n[engine]\nbatch = 200",
         ] {
             assert!(of(more).total_bytes > least.total_bytes, "{more}");
         }
+        let long_queues = of("members_limit = 128\n[engine]\nqueue = 999");
+        let large_batches = of("members_limit = 128\n[engine]\nqueue = 999\nbatch = 200");
+        assert!(large_batches.total_bytes > long_queues.total_bytes);
         let fewer = of("members_limit = 128\nqueue = 1\n[engine]");
         assert!(fewer.total_bytes < least.total_bytes);
     }
