@@ -19,7 +19,7 @@ mod guards;
 mod names;
 #[path = "tidy/pure.rs"]
 mod pure;
-#[path = "tidy/pure_crates.rs"]
+#[path = "../tools/src/aarch64/suites/pure_crates.rs"]
 mod pure_crates;
 #[path = "tidy/safety.rs"]
 mod safety;

@@ -1,6 +1,5 @@
 //! What is tested there: built once, run one after the other, and not again while nothing changed.
 
-#[path = "../../../tests/tidy/pure_crates.rs"]
 mod pure_crates;
 
 use super::root::{Root, TARGET};
