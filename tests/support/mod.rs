@@ -10,6 +10,7 @@
     reason = "each test target uses its own part of it, and a test that cannot go on has failed"
 )]
 
+#[path = "../../tools/src/bounds/service/footprint.rs"]
 pub(crate) mod footprint;
 pub(crate) mod keys;
 pub(crate) mod service;

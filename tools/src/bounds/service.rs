@@ -1,7 +1,6 @@
 //! A service that is asked as much as may be, under watch.
 
 use super::doctor;
-#[path = "../../../tests/support/footprint.rs"]
 mod footprint;
 
 use anyhow::{Context as _, Result, bail};
