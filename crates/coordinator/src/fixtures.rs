@@ -9,7 +9,7 @@ use body::{Body, BodyKind, BodyView, Mesh, Meta, Shells, defaults, zones};
 use bvh::BuildOptions;
 use damage::{Criteria, Policy};
 use geometry::Corners;
-use scenario::Scenario;
+use scenario::{Scenario, Source};
 use shapes::generate;
 
 const SCENARIO: &str = r#"
@@ -46,6 +46,31 @@ pub(crate) fn body(shape: Shape, triangles: u32) -> Body {
     let meta = defaults::assemble(origin, &mesh);
     let zones = zones::of_mesh(&mesh, shape.kind());
     bvh::body(mesh, meta, zones, &BuildOptions::default(), &|_| {}).expect("a tree")
+}
+
+/// The shapes of random scenes.
+const SHAPES: [Shape; 7] = [
+    Shape::Sedan,
+    Shape::Suv,
+    Shape::Cyclist,
+    Shape::Pedestrian,
+    Shape::Truck,
+    Shape::Pole,
+    Shape::Wall,
+];
+
+/// A body of each shape that random scenes have.
+pub(crate) fn of_all_shapes() -> Vec<Body> {
+    SHAPES.map(|shape| body(shape, 600)).to_vec()
+}
+
+/// The body of each party of a random scene, as its place in [`of_all_shapes`].
+pub(crate) fn models_of(scenario: &Scenario) -> Vec<usize> {
+    let model = |source: &Source| match source {
+        Source::Generate { shape, .. } => SHAPES.iter().position(|known| known == shape),
+        Source::File(_) => None,
+    };
+    scenario.parties.iter().map(|party| model(&party.source).expect("known")).collect()
 }
 
 /// Passes the request and its bodies to `of`.

@@ -44,14 +44,5 @@ pub(crate) fn study_check(py: Python<'_>, folder: PathBuf, redo: bool) -> PyResu
 /// Runs a shard.
 #[pyfunction]
 pub(crate) fn study_run_shard(py: Python<'_>, folder: PathBuf, shard: u32) -> PyResult<String> {
-    told(py, || {
-        let done = study::run_shard(&folder, shard)?;
-        Ok(serde_json::json!({
-            "shard": done.shard,
-            "rows": done.rows,
-            "refused": done.refused,
-            "rows_hash": done.rows_hash,
-            "was_finished": done.was_finished,
-        }))
-    })
+    told(py, || study::run_shard(&folder, shard))
 }

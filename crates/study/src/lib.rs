@@ -15,8 +15,9 @@
 //!
 //! # Invariants
 //!
-//! - A shard's rows do not depend on who ranks it, on kills, or on the number of processes:
-//!   `tests/study/main.rs`.
+//! - A shard's rows do not depend on who ranks it, on kills, or on the number of processes, but for
+//!   a scene of which three processes died, whoever killed them, or that the machine refused three
+//!   times: `tests/study/main.rs`.
 //! - A flipped byte, a truncated or a foreign shard is named, and it alone is ranked again:
 //!   `tests/study/main.rs`.
 //! - A row is what `trolley rank` says of its scene: `tests/study/main.rs`.

@@ -237,7 +237,7 @@ def _run(given):
         return 1 if failed else 0
     shards = range(total)
     if given.shard is not None:
-        if not 0 <= given.shard < total and given.of is None:
+        if given.shard < 0 or (given.shard >= total and given.of is None):
             remedy = f"the study has shards 0 to {total - 1}"
             raise InputError(f"--shard is {given.shard}", remedy=remedy, exit_code=64)
         shards = range(given.shard, total, given.of or total)

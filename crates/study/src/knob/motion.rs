@@ -189,8 +189,7 @@ pub(super) fn later(motion: &mut Table, delay_s: f64, horizon_s: f64) -> Result<
 }
 
 /// Leaves out the state whose absence moves the body least: it is nearest to the straight line
-/// between
-/// the states beside it, at its time.
+/// between the states beside it, at its time.
 fn thin(states: &mut Vec<Value>) {
     let placed = |state: &Value| {
         let table = state.as_table()?;

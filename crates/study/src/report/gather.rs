@@ -132,7 +132,7 @@ impl Gathered {
     /// Counts one finished shard.
     pub(super) fn add(&mut self, plan: &Plan, shard: u32) -> Result<(), Failure> {
         let folder = seal::folder(plan.dir(), shard);
-        let measures = measures(&folder)?;
+        let mut measures = measures(&folder)?;
         let [row, input, winner, refusal, state, is_certain] = table(
             &folder,
             "answers",
@@ -185,9 +185,7 @@ impl Gathered {
             self.winners[number as usize] = u8::try_from(code).unwrap_or(NOBODY);
             if let Some(open) = &mut open {
                 open.winners[judge] = Some(winner.to_owned());
-                if let Some(measures) = measures.get(&number) {
-                    open.measures[judge].clone_from(measures);
-                }
+                open.measures[judge] = measures.remove(&number).unwrap_or_default();
             }
             let value = work_hi.real(at).unwrap_or(0.0);
             let worst = Worst {

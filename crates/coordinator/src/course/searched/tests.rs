@@ -3,24 +3,15 @@
 use super::*;
 use crate::course::rank_courses;
 use crate::course::trial::random_courses;
-use crate::fixtures::body;
+use crate::fixtures::{models_of, of_all_shapes};
 use crate::in_process::InProcessExecutor;
 use crate::trial::tests::POLICIES;
-use body::{Body, BodyView, Meta, Shape, Shells};
+use body::{Body, BodyView, Meta, Shells};
 use damage::{Curves, Policy};
 use geometry::rng::Rng;
-use scenario::{Scenario, Source};
+use scenario::Scenario;
 use std::collections::BTreeMap;
 
-const SHAPES: [Shape; 7] = [
-    Shape::Sedan,
-    Shape::Suv,
-    Shape::Cyclist,
-    Shape::Pedestrian,
-    Shape::Truck,
-    Shape::Pole,
-    Shape::Wall,
-];
 const CURVES: [&str; 2] = [
     include_str!("../../../config/curves/default.toml"),
     include_str!("../../../config/curves/levels.toml"),
@@ -57,8 +48,7 @@ struct Trial {
 
 impl Trial {
     fn new() -> Self {
-        let bodies = SHAPES.map(|shape| body(shape, 600)).to_vec();
-        Self { bodies, all: all_criteria(), seen: BTreeMap::new() }
+        Self { bodies: of_all_shapes(), all: all_criteria(), seen: BTreeMap::new() }
     }
 
     fn note(&mut self, what: &'static str) {
@@ -82,12 +72,7 @@ impl Trial {
             bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
         let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
         let stage = BodySet { bodies: &views, extremes: None, depth: 3 };
-        let model = |source: &Source| match source {
-            Source::Generate { shape, .. } => SHAPES.iter().position(|known| known == shape),
-            Source::File(_) => None,
-        };
-        let models: Vec<usize> =
-            scenario.parties.iter().map(|party| model(&party.source).expect("known")).collect();
+        let models = models_of(&scenario);
         let request = |criteria: &Criteria, worlds: Worlds| CourseRequest {
             scenario: &scenario,
             models: &models,

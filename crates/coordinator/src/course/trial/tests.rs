@@ -2,23 +2,13 @@
 //! when it does not.
 
 use super::*;
-use crate::fixtures::body;
-use body::{Body, BodyView, Meta, Shape, Shells};
+use crate::fixtures::{models_of, of_all_shapes};
+use body::{Body, BodyView, Meta, Shells};
 use damage::{Criteria, Policy};
-use scenario::{Scenario, Source};
-
-const SHAPES: [Shape; 7] = [
-    Shape::Sedan,
-    Shape::Suv,
-    Shape::Cyclist,
-    Shape::Pedestrian,
-    Shape::Truck,
-    Shape::Pole,
-    Shape::Wall,
-];
+use scenario::Scenario;
 
 fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
-    let bodies: Vec<Body> = SHAPES.map(|shape| body(shape, 600)).to_vec();
+    let bodies: Vec<Body> = of_all_shapes();
     let views: Vec<(Meta, BodyView<'_>)> =
         bodies.iter().map(|body| (body.meta.clone(), body.view())).collect();
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
@@ -29,12 +19,7 @@ fn tried(scenes: u64, stops: u64, flaw: Option<CourseFlaw>) -> TrialResult {
         let text = random_courses(&mut Rng::new(seed));
         // Some turn faster than a vehicle does.
         let Ok(scenario) = Scenario::parse("random.toml", &text) else { continue };
-        let model = |source: &Source| match source {
-            Source::Generate { shape, .. } => SHAPES.iter().position(|known| known == shape),
-            Source::File(_) => None,
-        };
-        let models: Vec<usize> =
-            scenario.parties.iter().map(|party| model(&party.source).expect("known")).collect();
+        let models = models_of(&scenario);
         let request = CourseRequest {
             scenario: &scenario,
             models: &models,
