@@ -172,7 +172,7 @@ fn replayed_when_late(scenario: &Scenario, engine: &mut Engine) {
         if ranking.answer.state == AnswerState::Complete {
             done += 1;
             // Had the first look not been done, less would be known.
-            record.content.open_looks.resize_with(1, Default::default);
+            record.content.open_steps.resize_with(1, Default::default);
             let less = record.replay(&file, None, SILENT).unwrap().answer;
             assert_ne!(less.state, AnswerState::Complete, "{due_ms} ms");
         } else {

@@ -34,6 +34,7 @@ use runtime::clock;
 use scenario::{Members, Name, Scenario, Worlds};
 use std::rc::Rc;
 
+mod assembly;
 mod assessed_contact;
 mod contact_facts;
 mod course_answer;
@@ -172,6 +173,8 @@ struct Course<'s> {
     is_spared: bool,
     /// Its harm, once nothing is open.
     harm: Option<CourseHarm>,
+    /// How many steps its search has taken: looks, and contacts that a deadline may leave open.
+    steps: u32,
 }
 
 /// A contact that cannot be evaluated, or whose work is not done.
@@ -185,7 +188,8 @@ struct Stuck {
 impl<'s> Course<'s> {
     fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
         let way = Way::new(scenery, member, candidate);
-        Self { candidate, way, contacts: Vec::new(), stuck: None, is_spared: false, harm: None }
+        let contacts = Vec::new();
+        Self { candidate, way, contacts, stuck: None, is_spared: false, harm: None, steps: 0 }
     }
 
     /// Its contacts as worlds assess them, if they are kept.
@@ -252,13 +256,14 @@ pub fn rank_courses(
     } else {
         RequestLimits { search_order: SearchOrder::AsAsked, ..limits }
     };
-    let (looks, open_looks) = (0, Vec::new());
-    let mut surveyor = Surveyor::Backend { backend, limits, due_ns, rounds, looks, open_looks };
+    let mut surveyor =
+        Surveyor::Backend { backend, limits, due_ns, rounds, open_steps: Vec::new() };
     let mut ranked = follow(stage, request, limits.until, &time, &mut surveyor)?;
     ranked.effort.accepted_ns = accepted_ns;
-    if let Surveyor::Backend { rounds: Some(rounds), open_looks, .. } = surveyor {
+    if let Surveyor::Backend { rounds: Some(rounds), mut open_steps, .. } = surveyor {
+        open_steps.sort_unstable();
         let (until, search) = (limits.until.into(), time.search());
-        ranked.history = Some(CourseHistory { until, search, rounds, open_looks });
+        ranked.history = Some(CourseHistory { until, search, rounds, open_steps });
     }
     Ok(ranked)
 }

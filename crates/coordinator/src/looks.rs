@@ -1,23 +1,34 @@
 //! Looks at bodies on their ways: which of them touch first, and when; in workers or in this
 //! process.
 //!
+//! ```text
+//! source --next--> look --> worker, or this process --learn--> source: further looks, or none
+//!    ^                                                           |
+//!    +------- while workers look: a little of what else there is +
+//! ```
+//!
 //! A look is a job without nodes: it goes through the same dispatcher, batches and faults as any
-//! other. The paths that it needs are written into memory that the workers read.
+//! other. The paths that it needs are written into memory that the workers read. What a look shows
+//! may ask for the next one, so that nobody waits until all looks of some kind are done.
 
 use crate::work::{PartOf, TaskSource};
 use crate::worker_pool::{WorkerPool, WorkerPoolError};
 use crate::workspace::Backend;
 use body::{BodyView, Meta};
 use bvh::Counters;
+use bvh::query::QueryWatch;
 use bytemuck::Zeroable as _;
 use core::ops::ControlFlow;
 use dispatch::{Closed, Job};
-use executor::encounter::{Encounters, Look, LookOutcome};
+use executor::encounter::{Look, LookOutcome};
 use executor::motion;
 use geometry::hash::splitmix64;
-use geometry::motion::{MotionPath, STATE_WORDS};
+use geometry::motion::MotionPath;
 use protocol::{Section, TaskId, WireLook, WireQuestion, WireTask, launch};
-use std::collections::BTreeMap;
+use runtime::{WrittenWords, clock};
+use smallvec::SmallVec;
+use std::collections::{BTreeMap, VecDeque};
+use std::rc::Rc;
 
 /// Looks that a worker has at once: one at work, and the next ones. More would leave some workers
 /// with all the long ones.
@@ -30,165 +41,230 @@ pub(crate) struct AskedLook<'p> {
     pub(crate) look: Look<'p>,
 }
 
-impl AskedLook<'_> {
-    /// Whether there is memory for its paths.
-    fn fits(&self) -> bool {
-        let states: usize = self.look.ways.paths.iter().map(|path| path.states().len()).sum();
-        states * STATE_WORDS <= launch::PATHS_WORDS
-    }
+/// Supplies looks, and takes what they show.
+pub(crate) trait LookSource {
+    /// What tells looks apart.
+    type Id: Copy;
+
+    /// The next look, if there is one by now. The paths of looks stay where they are.
+    fn next(&mut self) -> Option<Self::Id>;
+    /// A look that was not learnt yet.
+    fn asked(&self, id: Self::Id) -> AskedLook<'_>;
+    /// Looks in this process; `None` if `watch` ended it.
+    fn look(&mut self, id: Self::Id, watch: QueryWatch<'_>) -> Option<(LookOutcome, Counters)>;
+    /// Takes what a look showed, once; `None`: it was not done, and all is open.
+    fn learn(&mut self, id: Self::Id, seen: Option<LookOutcome>);
+    /// Does a little of what else is to be done; `false` if there is nothing by now.
+    fn use_spare_time(&mut self) -> bool;
 }
 
-/// What looks show, in their order, and what they took; `None`: it was not looked, and all is open.
-#[derive(Debug, Default)]
-pub(crate) struct Looked {
-    pub(crate) seen: Vec<Option<LookOutcome>>,
+/// What looks took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LookEffort {
     pub(crate) counters: Counters,
-    /// Whether workers looked.
-    pub(crate) by_workers: bool,
+    /// Looks handed to workers.
+    pub(crate) jobs: u64,
 }
 
 impl Backend {
     /// Looks, as far as there is time: until `due_ns` (monotonic), or until `is_due`, which is
-    /// asked by looks in this process. `meanwhile` is called while workers look, and has nothing to
-    /// do any more once it returns `false`.
+    /// asked by looks in this process.
     pub(crate) fn look(
         &mut self,
-        asked: &[AskedLook<'_>],
+        source: &mut impl LookSource,
         bodies: &[(Meta, BodyView<'_>)],
-        encounters: &mut Encounters,
         (due_ns, is_due): (Option<u64>, Option<&dyn Fn() -> bool>),
-        meanwhile: &mut dyn FnMut() -> bool,
-    ) -> Result<Looked, WorkerPoolError> {
-        // A single look is done sooner here.
-        let is_for_workers = asked.len() > 1 && asked.iter().all(AskedLook::fits);
+    ) -> Result<LookEffort, WorkerPoolError> {
+        let is_due = || is_due.is_some_and(|is_due| is_due());
         match self {
             // Bodies that are copied are so for the sections of jobs.
-            Self::Workers(pool) if is_for_workers && !pool.copies() => {
-                pool.look(asked, bodies, due_ns, meanwhile)
-            }
-            Self::Workers(_) | Self::InProcess(_) => Ok(look_here(asked, encounters, is_due)),
+            Self::Workers(pool) if !pool.copies() => pool.look(source, bodies, (due_ns, &is_due)),
+            Self::Workers(_) | Self::InProcess(_) => Ok(look_here(source, &is_due)),
         }
     }
 }
 
-/// Looks in this process until `is_due`.
-pub(crate) fn look_here(
-    asked: &[AskedLook<'_>],
-    encounters: &mut Encounters,
-    is_due: Option<&dyn Fn() -> bool>,
-) -> Looked {
-    let is_over = || is_due.is_some_and(|is_due| is_due());
-    let mut watch = |_| if is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let mut looked = Looked::default();
-    for AskedLook { look, .. } in asked {
-        if is_over() {
-            break;
-        }
-        let seen = encounters.look(look, &mut watch).ok().map(|(seen, counters)| {
-            looked.counters.add(&counters);
-            seen
-        });
-        looked.seen.push(seen);
+/// Looks in this process until `is_due`, one course after the other.
+fn look_here(source: &mut impl LookSource, is_due: &dyn Fn() -> bool) -> LookEffort {
+    let mut effort = LookEffort::default();
+    loop {
+        while source.use_spare_time() {}
+        let Some(id) = source.next() else { return effort };
+        look_at(source, id, is_due, &mut effort);
     }
-    looked.seen.resize(asked.len(), None);
-    looked
+}
+
+/// One look in this process, unless `is_due`.
+fn look_at<S: LookSource>(
+    source: &mut S,
+    id: S::Id,
+    is_due: &dyn Fn() -> bool,
+    effort: &mut LookEffort,
+) {
+    let mut watch = |_| if is_due() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let seen = if is_due() { None } else { source.look(id, &mut watch) };
+    if let Some((_, counters)) = &seen {
+        effort.counters.add(counters);
+    }
+    source.learn(id, seen.map(|(seen, _)| seen));
 }
 
 impl WorkerPool {
-    /// Has workers look, as many at a time as there is memory for their paths.
-    fn look(
+    /// Has workers look.
+    fn look<S: LookSource>(
         &mut self,
-        asked: &[AskedLook<'_>],
+        source: &mut S,
         bodies: &[(Meta, BodyView<'_>)],
-        due_ns: Option<u64>,
-        meanwhile: &mut dyn FnMut() -> bool,
-    ) -> Result<Looked, WorkerPoolError> {
-        let mut looked = Looked { by_workers: true, ..Looked::default() };
-        let mut left = asked;
-        while !left.is_empty() {
+        (due_ns, is_due): (Option<u64>, &dyn Fn() -> bool),
+    ) -> Result<LookEffort, WorkerPoolError> {
+        let mut effort = LookEffort::default();
+        while let Some(first) = source.next() {
+            // A single look is done sooner here, and none is begun after the deadline.
+            let is_over = due_ns.is_some_and(|due_ns| due_ns <= clock::now_ns());
+            let second = if is_over { None } else { source.next() };
+            let Some(second) = second else {
+                look_at(source, first, is_due, &mut effort);
+                continue;
+            };
             let most_out = OUT_PER_WORKER * self.size();
-            let mut run = LookRun::of(left, bodies, (most_out, due_ns), meanwhile);
-            self.write_paths(&run.words);
-            left = &left[run.asked.len()..];
-            self.work_off_unlogged(&mut run)?;
-            looked.seen.append(&mut run.seen);
-            looked.counters.add(&run.counters);
+            let paths = Rc::clone(self.paths());
+            let mut run = LookRun::of(source, bodies, (&paths, most_out, due_ns));
+            run.begun.extend([first, second]);
+            let done = self.work_off_unlogged(&mut run);
+            run.leave();
+            effort.counters.add(&run.effort.counters);
+            effort.jobs += run.effort.jobs;
+            done?;
         }
-        Ok(looked)
+        Ok(effort)
     }
 }
 
 /// Looks as the work of one request.
-struct LookRun<'r, 'p> {
-    asked: &'r [AskedLook<'p>],
+struct LookRun<'r, S: LookSource> {
+    source: &'r mut S,
     bodies: &'r [(Meta, BodyView<'r>)],
+    /// Looks that the source gave, and that are no jobs yet.
+    begun: VecDeque<S::Id>,
     tasks: Vec<WireTask>,
-    /// The paths.
-    words: Vec<u64>,
+    /// By task: its look until it is learnt, and what it showed.
+    looks: Vec<Option<S::Id>>,
     seen: Vec<Option<LookOutcome>>,
-    counters: Counters,
-    /// The next look to hand out.
-    next: usize,
+    memory: PathMemory<'r>,
+    effort: LookEffort,
     /// Looks handed out and not closed, and the most of these.
     out: usize,
     most_out: usize,
     due_ns: Option<u64>,
-    meanwhile: &'r mut dyn FnMut() -> bool,
 }
 
 /// Where a path lies in memory, its length (words), and the sum over its words.
 type Place = ([u32; 2], u64);
 
-impl<'r, 'p> LookRun<'r, 'p> {
-    /// As many of the first looks as there is memory for: at least one.
-    fn of(
-        asked: &'r [AskedLook<'p>],
-        bodies: &'r [(Meta, BodyView<'r>)],
-        (most_out, due_ns): (usize, Option<u64>),
-        meanwhile: &'r mut dyn FnMut() -> bool,
-    ) -> Self {
-        let mut words = Vec::new();
-        // Paths of this run, all of which live as long as it: their addresses tell them apart.
-        let mut places: BTreeMap<*const MotionPath, Place> = BTreeMap::new();
-        let mut tasks: Vec<WireTask> = Vec::new();
-        for AskedLook { models, look } in asked {
-            let known = words.len();
-            let placed = look.ways.paths.map(|path| {
-                *places.entry(path).or_insert_with(|| {
-                    let first = words.len();
-                    motion::write(path, &mut words);
-                    let count = words.len() - first;
-                    ([first as u32, count as u32], motion::sum(&words[first..]))
-                })
-            });
-            if words.len() > launch::PATHS_WORDS && !tasks.is_empty() {
-                words.truncate(known);
-                break;
+/// The memory that workers read paths from.
+struct PathMemory<'r> {
+    memory: &'r WrittenWords,
+    /// Words that are taken.
+    used: usize,
+    /// Paths there: all of them live as long as the search, so their addresses tell them apart.
+    places: BTreeMap<*const MotionPath, Place>,
+    scratch: Vec<u64>,
+}
+
+impl PathMemory<'_> {
+    /// Where two paths lie, written unless they are there; `None`: there is no room.
+    fn place(&mut self, paths: [&MotionPath; 2]) -> Option<[Place; 2]> {
+        let key = |path: &MotionPath| core::ptr::from_ref(path);
+        self.scratch.clear();
+        let mut fresh: SmallVec<[(*const MotionPath, Place); 2]> = SmallVec::new();
+        for path in paths {
+            if self.places.contains_key(&key(path)) || fresh.iter().any(|(at, _)| *at == key(path))
+            {
+                continue;
             }
-            let wire = WireLook {
-                model_a: models[0],
-                model_b: models[1],
-                question: WireQuestion::Look as u32,
-                task: tasks.len() as u32,
-                paths: placed.map(|(place, _)| place),
-                sums: placed.map(|(_, sum)| sum),
-                from_s: look.from_s,
-                end_s: look.end_s,
-                resolution_m: look.resolution_m,
-                may_touch: u64::from(look.may_touch),
-                ..WireLook::zeroed()
-            };
-            tasks.push(wire.task());
+            let first = self.scratch.len();
+            motion::write(path, &mut self.scratch);
+            let words = &self.scratch[first..];
+            let place = [(self.used + first) as u32, words.len() as u32];
+            fresh.push((key(path), (place, motion::sum(words))));
         }
-        let asked = &asked[..tasks.len()];
-        let seen = vec![None; asked.len()];
-        let (next, out) = (0, 0);
-        let counters = Counters::default();
-        Self { asked, bodies, tasks, words, seen, counters, next, out, most_out, due_ns, meanwhile }
+        if self.used + self.scratch.len() > launch::PATHS_WORDS {
+            return None;
+        }
+        self.memory.write(self.used, &self.scratch);
+        self.used += self.scratch.len();
+        self.places.extend(fresh);
+        let [a, b] = paths.map(|path| self.places.get(&key(path)).copied());
+        Some([a?, b?])
+    }
+
+    /// Forgets what is there: nobody reads it any more.
+    fn clear(&mut self) {
+        self.used = 0;
+        self.places.clear();
     }
 }
 
-impl TaskSource for LookRun<'_, '_> {
+impl<'r, S: LookSource> LookRun<'r, S> {
+    fn of(
+        source: &'r mut S,
+        bodies: &'r [(Meta, BodyView<'r>)],
+        (memory, most_out, due_ns): (&'r WrittenWords, usize, Option<u64>),
+    ) -> Self {
+        let (used, places, scratch) = (0, BTreeMap::new(), Vec::new());
+        Self {
+            source,
+            bodies,
+            begun: VecDeque::new(),
+            tasks: Vec::new(),
+            looks: Vec::new(),
+            seen: Vec::new(),
+            memory: PathMemory { memory, used, places, scratch },
+            effort: LookEffort::default(),
+            out: 0,
+            most_out,
+            due_ns,
+        }
+    }
+
+    /// A look as a task; `None`: there is no room for its paths.
+    fn task_of(&mut self, id: S::Id) -> Option<WireTask> {
+        let AskedLook { models, look } = self.source.asked(id);
+        let places = self.memory.place(look.ways.paths).or_else(|| {
+            if self.out > 0 {
+                return None;
+            }
+            self.memory.clear();
+            self.memory.place(look.ways.paths)
+        })?;
+        let wire = WireLook {
+            model_a: models[0],
+            model_b: models[1],
+            question: WireQuestion::Look as u32,
+            task: self.tasks.len() as u32,
+            paths: places.map(|(place, _)| place),
+            sums: places.map(|(_, sum)| sum),
+            from_s: look.from_s,
+            end_s: look.end_s,
+            resolution_m: look.resolution_m,
+            may_touch: u64::from(look.may_touch),
+            ..WireLook::zeroed()
+        };
+        Some(wire.task())
+    }
+
+    /// Tells the source that nothing more is done.
+    fn leave(&mut self) {
+        for id in self.looks.iter_mut().filter_map(Option::take) {
+            self.source.learn(id, None);
+        }
+        while let Some(id) = self.begun.pop_front() {
+            self.source.learn(id, None);
+        }
+    }
+}
+
+impl<S: LookSource> TaskSource for LookRun<'_, S> {
     fn task(&self, task: TaskId) -> Option<&WireTask> {
         self.tasks.get(task.0 as usize)
     }
@@ -206,21 +282,36 @@ impl TaskSource for LookRun<'_, '_> {
     }
 
     fn use_spare_time(&mut self) -> bool {
-        (self.meanwhile)()
+        self.source.use_spare_time()
     }
 }
 
-impl dispatch::JobSource for LookRun<'_, '_> {
+impl<S: LookSource> dispatch::JobSource for LookRun<'_, S> {
     type Part<'p> = PartOf<'p>;
 
     fn more(&mut self, jobs: &mut Vec<Job>) {
-        if self.next < self.tasks.len() && self.out < self.most_out {
-            let node = self.next as u32;
-            // No two looks share a section, so that workers get them by their load alone.
-            let [a, b] = [0, 1].map(|model| Section { model, node });
-            jobs.push(Job { task: TaskId(node), a, b });
-            self.next += 1;
-            self.out += 1;
+        while self.out < self.most_out {
+            let Some(id) = self.begun.pop_front().or_else(|| self.source.next()) else { return };
+            match self.task_of(id) {
+                Some(task) => {
+                    let node = self.tasks.len() as u32;
+                    self.tasks.push(task);
+                    self.looks.push(Some(id));
+                    self.seen.push(None);
+                    // No two looks share a section, so that workers get them by their load alone.
+                    let [a, b] = [0, 1].map(|model| Section { model, node });
+                    jobs.push(Job { task: TaskId(node), a, b });
+                    self.out += 1;
+                    self.effort.jobs += 1;
+                    return;
+                }
+                // There is room once those that are out are done.
+                None if self.out > 0 => return self.begun.push_front(id),
+                None => {
+                    let is_due = || self.due_ns.is_some_and(|due_ns| due_ns <= clock::now_ns());
+                    look_at(self.source, id, &is_due, &mut self.effort);
+                }
+            }
         }
     }
 
@@ -231,13 +322,18 @@ impl dispatch::JobSource for LookRun<'_, '_> {
     fn fold(&mut self, job: &Job, part: PartOf<'_>) {
         let Some(last) = part.0.last else { return };
         let number = job.task.0 as usize;
-        let Some(asked) = self.asked.get(number) else { return };
-        self.counters.add(&Counters { nb: last.summary.nb, np: last.summary.np });
-        self.seen[number] = last.seen.and_then(|seen| LookOutcome::from_wire(&seen, &asked.look));
+        let Some(Some(id)) = self.looks.get(number) else { return };
+        self.effort.counters.add(&Counters { nb: last.summary.nb, np: last.summary.np });
+        let look = self.source.asked(*id).look;
+        self.seen[number] = last.seen.and_then(|seen| LookOutcome::from_wire(&seen, &look));
     }
 
-    fn close(&mut self, _: &Job, _: Closed) {
+    fn close(&mut self, job: &Job, _: Closed) {
         self.out -= 1;
+        let number = job.task.0 as usize;
+        if let Some(id) = self.looks.get_mut(number).and_then(Option::take) {
+            self.source.learn(id, self.seen[number]);
+        }
     }
 
     /// No section is sent, nor is a tree cut.

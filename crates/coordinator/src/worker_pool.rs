@@ -48,6 +48,7 @@ use dispatch::{Counts, Dispatcher, Effect, Event, LogEntry, MatchScheme, Progres
 use outbox::BatchWriter;
 use protocol::{Boot, Incarnation, RequestId};
 use runtime::{Poller, SealedMemory, StatusMemory, Wake, WrittenWords, clock};
+use std::rc::Rc;
 use transport::{Domain, SegmentReserve, UseError};
 use worker_handle::WorkerHandle;
 
@@ -75,7 +76,7 @@ pub struct WorkerPool {
     workers: Vec<WorkerHandle>,
     status: StatusMemory,
     /// Where bodies go, for looks at them: written before these are sent.
-    paths: WrittenWords,
+    paths: Rc<WrittenWords>,
     poller: Poller,
     /// Memory for the next successor, whatever fills the file system.
     reserve: SegmentReserve,
@@ -130,6 +131,7 @@ impl WorkerPool {
         }
         let status = StatusMemory::create()?;
         let paths = WrittenWords::create("trolley-paths", protocol::launch::PATHS_WORDS)?;
+        let paths = Rc::new(paths);
         let mut poller = Poller::new()?;
         poller.catch_signals()?;
         let domain = Domain::create(Some(&folder), &options.instance, boot)?;
@@ -185,14 +187,10 @@ impl WorkerPool {
         self.outgoing.is_some()
     }
 
-    /// Writes paths for the next request. Those of an earlier one that was cancelled may still be
-    /// read: nobody waits for what comes of that.
-    ///
-    /// # Panics
-    ///
-    /// They take more than [`protocol::launch::PATHS_WORDS`].
-    pub(crate) fn write_paths(&self, words: &[u64]) {
-        self.paths.write(0, words);
+    /// Memory for the paths of the next request. Those of an earlier one that was cancelled may
+    /// still be read: nobody waits for what comes of that.
+    pub(crate) fn paths(&self) -> &Rc<WrittenWords> {
+        &self.paths
     }
 
     /// Tells the workers that the request is cancelled.
@@ -278,8 +276,12 @@ impl WorkerPool {
                 self.cancel();
                 break;
             }
-            if taken || work.use_spare_time() {
+            if taken {
                 backoff.reset();
+            } else if work.use_spare_time() {
+                backoff.reset();
+                // There may be further jobs now.
+                progress = self.step(Event::Poll, work, effects);
             } else if self.shares_core || backoff.is_completed() {
                 let due_ns = [due_ns, work.deadline_ns()].into_iter().flatten().min();
                 let nap_ns = if waits { BACKLOG_NAP_NS } else { NAP_NS };

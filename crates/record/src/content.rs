@@ -165,12 +165,16 @@ pub struct RecordedSearch {
     pub over_at: Option<u64>,
 }
 
-/// A look for a contact that was not done, as there was no time or it was given up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OpenLook {
-    /// Its number, from 0: looks are asked for in an order that follows from the scene and from
-    /// what was found so far.
-    pub number: u64,
+/// A step of the search for contacts that was not done, as there was no time or it was given up: a
+/// look, or what comes of looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct OpenStep {
+    /// The number of the candidate, plus that of all candidates for each member before; the scene
+    /// as stated comes first.
+    pub course: u32,
+    /// Its number among the steps of that, from 0: their order follows from the scene and from what
+    /// was found so far.
+    pub number: u32,
 }
 
 /// A job on a worker.
@@ -231,8 +235,8 @@ pub struct RecordContent {
     pub until: RecordedUntil,
     /// Where the request was out of time; `None`: it had no deadline.
     pub search: Option<RecordedSearch>,
-    /// Looks for contacts that were not done, ascending.
-    pub open_looks: Vec<OpenLook>,
+    /// Steps of the search that were not done, ascending.
+    pub open_steps: Vec<OpenStep>,
     /// Jobs on workers; empty without workers. No answer depends on it.
     pub spans: Vec<RecordedSpan>,
     /// Messages by edge.

@@ -26,9 +26,9 @@ use std::borrow::Cow;
 /// First eight bytes of every record.
 pub const MAGIC: [u8; 8] = *b"TROLREC\n";
 /// Version of the layout and of [`RecordContent`]. Another one is refused.
-pub const VERSION: u32 = 17;
+pub const VERSION: u32 = 19;
 /// Version of a record with a signed statement: programs that know of none refuse it.
-pub const VERSION_SIGNED: u32 = 18;
+pub const VERSION_SIGNED: u32 = 20;
 
 /// The head of a record.
 #[repr(C)]

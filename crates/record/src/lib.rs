@@ -36,7 +36,7 @@ pub mod statement;
 
 pub use chain::{Chain, ChainError, HEAD_FILE, Resume};
 pub use content::{
-    Edge, Mode, OpenLook, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
+    Edge, Mode, OpenStep, PoseQuestion, RecordContent, RecordedBody, RecordedEnd, RecordedJob,
     RecordedRound, RecordedSearch, RecordedSource, RecordedSpan, RecordedStage, RecordedText,
     RecordedUntil, Settings, hash_of_text,
 };

@@ -96,8 +96,8 @@ fn words(
     if !record.rounds.is_empty() {
         lines.push(format!("rounds    {} of contacts", record.rounds.len()));
     }
-    if !record.open_looks.is_empty() {
-        lines.push(format!("search    {} looks for contacts not done", record.open_looks.len()));
+    if !record.open_steps.is_empty() {
+        lines.push(format!("search    {} steps not done", record.open_steps.len()));
     }
     if let Some(over_at) = record.search.and_then(|search| search.over_at) {
         lines.push(format!("search    out of time at point {over_at} between jobs"));

@@ -1,21 +1,22 @@
 //! What of the work on a request depends on the clock and on workers, and the same work once more.
 //!
-//! Looks for contacts are asked for in an order that follows from the scene and from the harm found
-//! so far. So the numbers of those that were not done say where the search ended in every
-//! candidate, and the job history of each round says what was known of its contacts. What comes
-//! after looks at the clock at points that follow from the scene, too: the number of the point at
-//! which time was over says where it ended.
+//! A course takes its steps, looks for contacts and what comes of them, in an order that follows
+//! from the scene and from the harm found so far, whatever workers do. So the numbers of those that
+//! were not done say where the search ended in every candidate, and the job history of each round
+//! says what was known of its contacts. What comes after looks at the clock at points that follow
+//! from the scene, too: the number of the point at which time was over says where it ended.
 
+use super::search::CourseSearch;
 use super::{CourseRequest, RankedCourses, follow};
-use crate::looks::{AskedLook, Looked, look_here};
+use crate::looks::{LookEffort, LookSource as _};
 use crate::request_limits::RequestLimits;
 use crate::work::SurveyRun;
 use crate::worker_pool::IdleHook;
 use crate::worker_pool::{WorkerPoolError, WorkerPoolReport};
 use crate::workspace::{Backend, BodySet, RunError};
 use core::cell::Cell;
-use executor::encounter::Encounters;
-use record::{OpenLook, RecordedRound, RecordedSearch, RecordedUntil};
+use core::ops::ControlFlow;
+use record::{OpenStep, RecordedRound, RecordedSearch, RecordedUntil};
 use runtime::clock;
 #[cfg(any(test, feature = "faults"))]
 use {
@@ -33,8 +34,8 @@ pub struct CourseHistory {
     pub search: Option<RecordedSearch>,
     /// Questions and jobs by round.
     pub rounds: Vec<RecordedRound>,
-    /// Looks for contacts that were not done.
-    pub open_looks: Vec<OpenLook>,
+    /// Steps of the search that were not done, ascending.
+    pub open_steps: Vec<OpenStep>,
 }
 
 /// Ranks the candidates of a recorded request again, in this process: from the same bodies and
@@ -52,7 +53,7 @@ pub fn replay_courses(
     request: &CourseRequest<'_>,
     history: &CourseHistory,
 ) -> Result<RankedCourses, RunError> {
-    let mut surveyor = Surveyor::replay(&history.rounds, &history.open_looks);
+    let mut surveyor = Surveyor::replay(&history.rounds, &history.open_steps);
     let (until, clock) = (history.until.into(), SearchClock::recorded(history.search));
     follow(stage, request, until, &clock, &mut surveyor)
 }
@@ -172,6 +173,24 @@ impl SearchClock {
     }
 }
 
+/// Which contacts are not assembled any more.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Cutoff<'c> {
+    /// Those for which there is no time.
+    Clock(&'c SearchClock),
+    /// Those that were not, ascending.
+    Recorded(&'c [OpenStep]),
+}
+
+impl Cutoff<'_> {
+    pub(super) fn is_over(&self, step: OpenStep) -> bool {
+        match self {
+            Self::Clock(time) => time.is_past(),
+            Self::Recorded(open_steps) => open_steps.binary_search(&step).is_ok(),
+        }
+    }
+}
+
 /// What surveys the contacts of a round.
 #[derive(Debug)]
 pub(super) enum Surveyor<'s> {
@@ -183,17 +202,15 @@ pub(super) enum Surveyor<'s> {
         due_ns: Option<u64>,
         /// The rounds so far, if they are recorded.
         rounds: Option<Vec<RecordedRound>>,
-        /// How many looks were asked for so far, and which of them were not done.
-        looks: u64,
-        open_looks: Vec<OpenLook>,
+        /// Steps of the search that were not done.
+        open_steps: Vec<OpenStep>,
     },
     /// A recorded request.
     Recorded {
         /// The rounds still to come.
         rounds: core::slice::Iter<'s, RecordedRound>,
-        /// How many looks were asked for so far, and which were not done.
-        looks: u64,
-        open_looks: &'s [OpenLook],
+        /// Steps of the search that were not done, ascending.
+        open_steps: &'s [OpenStep],
     },
     /// This process, which loses one job of so many; 0: none.
     #[cfg(any(test, feature = "faults"))]
@@ -202,8 +219,8 @@ pub(super) enum Surveyor<'s> {
 
 impl<'s> Surveyor<'s> {
     /// One that does what was done.
-    pub(super) fn replay(rounds: &'s [RecordedRound], open_looks: &'s [OpenLook]) -> Self {
-        Self::Recorded { rounds: rounds.iter(), looks: 0, open_looks }
+    pub(super) fn replay(rounds: &'s [RecordedRound], open_steps: &'s [OpenStep]) -> Self {
+        Self::Recorded { rounds: rounds.iter(), open_steps }
     }
 
     /// A round's work with its limits.
@@ -240,43 +257,43 @@ impl<'s> Surveyor<'s> {
         }
     }
 
-    /// Looks at bodies on their ways, as far as there is time, or as far as it was done. `is_due`
-    /// says whether there is none. While workers look, `meanwhile` is called, which does a little
-    /// of what else is to be done; `false` if there is nothing.
+    /// Which contacts are not assembled.
+    pub(super) fn cutoff<'c>(&self, time: &'c SearchClock) -> Cutoff<'c>
+    where
+        's: 'c,
+    {
+        match self {
+            Self::Recorded { open_steps, .. } => Cutoff::Recorded(open_steps),
+            _ => Cutoff::Clock(time),
+        }
+    }
+
+    /// Searches for the next contacts of courses, as far as there is time, or as far as it was
+    /// done.
     pub(super) fn look(
         &mut self,
-        asked: &[AskedLook<'_>],
+        search: &mut CourseSearch<'_, '_>,
         stage: &BodySet<'_>,
-        encounters: &mut Encounters,
-        is_due: Option<&dyn Fn() -> bool>,
-        meanwhile: &mut dyn FnMut() -> bool,
-    ) -> Result<Looked, WorkerPoolError> {
+        time: &SearchClock,
+    ) -> Result<LookEffort, WorkerPoolError> {
         match self {
-            Self::Backend { backend, due_ns, looks, open_looks, .. } => {
-                let limits = (*due_ns, is_due);
-                let looked = backend.look(asked, stage.bodies, encounters, limits, meanwhile)?;
-                let numbered = (*looks..).zip(&looked.seen);
-                let open = numbered.filter(|(_, seen)| seen.is_none());
-                open_looks.extend(open.map(|(number, _)| OpenLook { number }));
-                *looks += asked.len() as u64;
+            Self::Backend { backend, due_ns, open_steps, .. } => {
+                let is_past = || time.is_past();
+                let is_due = time.is_watched().then_some(&is_past as &dyn Fn() -> bool);
+                let looked = backend.look(search, stage.bodies, (*due_ns, is_due))?;
+                open_steps.append(&mut search.not_done);
                 Ok(looked)
             }
-            Self::Recorded { looks, open_looks, .. } => {
-                let from = *looks;
-                *looks += asked.len() as u64;
-                let is_open = |at: usize| {
-                    let number = from + at as u64;
-                    open_looks.binary_search_by_key(&number, |open| open.number).is_ok()
-                };
-                Ok(look_at_some(asked, encounters, |at| !is_open(at)))
+            Self::Recorded { open_steps, .. } => {
+                let is_open = |step| Cutoff::Recorded(open_steps).is_over(step);
+                Ok(look_at_some(search, |step| !is_open(step)))
             }
             #[cfg(any(test, feature = "faults"))]
             Self::Lossy { rng, loses, .. } => {
                 // The clock is that of a trial, which ends at one of its looks.
-                let is_over = || is_due.is_some_and(|is_due| is_due());
                 let loses = *loses;
-                let is_done = |_| !(is_over() || loses > 0 && rng.below(loses) == 0);
-                Ok(look_at_some(asked, encounters, is_done))
+                let is_done = |_| !(time.is_past() || loses > 0 && rng.below(loses) == 0);
+                Ok(look_at_some(search, is_done))
             }
         }
     }
@@ -294,19 +311,23 @@ impl<'s> Surveyor<'s> {
 
 /// Looks in this process, at those that are done.
 fn look_at_some(
-    asked: &[AskedLook<'_>],
-    encounters: &mut Encounters,
-    mut is_done: impl FnMut(usize) -> bool,
-) -> Looked {
-    let mut looked = Looked::default();
-    for (at, asked) in asked.iter().enumerate() {
-        let one = is_done(at).then(|| look_here(&[*asked], encounters, None));
-        if let Some(one) = &one {
-            looked.counters.add(&one.counters);
+    search: &mut CourseSearch<'_, '_>,
+    mut is_done: impl FnMut(OpenStep) -> bool,
+) -> LookEffort {
+    let mut effort = LookEffort::default();
+    loop {
+        while search.use_spare_time() {}
+        let Some(look) = search.next() else { return effort };
+        let seen = if is_done(look.step) {
+            search.look(look, &mut |_| ControlFlow::Continue(()))
+        } else {
+            None
+        };
+        if let Some((_, counters)) = &seen {
+            effort.counters.add(counters);
         }
-        looked.seen.push(one.and_then(|one| one.seen[0]));
+        search.learn(look, seen.map(|(seen, _)| seen));
     }
-    looked
 }
 
 #[cfg(any(test, feature = "faults"))]

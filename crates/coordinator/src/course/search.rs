@@ -1,42 +1,30 @@
 //! The search for the contact that comes next in every course.
 //!
 //! ```text
-//! courses --a few at a time--> looks (workers) --> whom each meets next --> contacts (here)
-//!    ^                                                                        |
-//!    +------------- those that met nobody yet, and need further looks --------+
+//! courses --looks--> workers --> whom each meets next --> contacts (here, while workers look)
+//!    ^                                                       |
+//!    +---- that meets nobody yet: its further looks go first +
 //! ```
 //!
-//! While workers look for some courses, the contacts of the last ones are assembled here: what
-//! comes about, and with which plane, takes as long as the looks. Which courses are looked at
-//! together, and in which order, follows from the request alone, so a replay does the same.
+//! What comes about, and with which plane, takes as long as the looks. A course goes on as soon as
+//! its own looks are done, so the order in which courses do depends on workers; what becomes of
+//! each does not. What was not done is known by its course and its number there, so a replay leaves
+//! the same open.
 
 use super::Course;
-use super::assessed_contact::contact;
-use super::history::{SearchClock, Surveyor};
-use super::persons::People;
-use super::rounds::{Round, Rounds};
-use super::way::{Begin, NextContact, Scenery};
-use crate::looks::AskedLook;
-use crate::request::{Candidate, Request, RequestError};
-use crate::workspace::{BodySet, RunError};
-use body::Outlines;
-use bvh::support::{Extremes, support_near};
-use damage::approach::STANDSTILL_M_S;
-use damage::course::{PASSED_M, Severity};
-use damage::{Basis, Criteria, Evidence, assess};
-use executor::encounter::LookOutcome;
-use geometry::DVec3;
+use super::assembly::{Assembly, Found};
+use super::history::{Cutoff, SearchClock, Surveyor};
+use super::rounds::{EncounterEffort, Round, Rounds};
+use crate::looks::{AskedLook, LookSource};
+use crate::request::{Request, RequestError};
+use crate::workspace::RunError;
+use bvh::Counters;
+use bvh::query::QueryWatch;
+use damage::Criteria;
+use executor::encounter::{Encounters, LookOutcome};
+use record::OpenStep;
 use runtime::clock;
 use std::collections::VecDeque;
-use std::ops::Range;
-
-/// Into how many parts courses are divided, to have contacts assembled while workers look.
-const PARTS: usize = 8;
-/// Least number of courses that are looked at together.
-const TOGETHER_MIN: usize = 4;
-
-/// A contact that comes next, and the same as a candidate of a request.
-type Found = (NextContact, Candidate);
 
 impl Rounds<'_> {
     /// Searches for the contact that comes next in every course, as far as that matters, and as far
@@ -53,7 +41,7 @@ impl Rounds<'_> {
             let block = from..(from + self.block()).min(self.courses.len());
             from = block.end;
             let open: Vec<usize> = block.clone().filter(|k| self.courses[*k].is_open()).collect();
-            let found = self.search_together(&block, &open, surveyor, time)?;
+            let found = self.search_together(&open, surveyor, time)?;
             let mut is_one_over = false;
             for (k, found) in open.into_iter().zip(found) {
                 match found {
@@ -91,179 +79,188 @@ impl Rounds<'_> {
         }
     }
 
-    /// What comes next in each of these open courses of a block.
+    /// What comes next in each of these open courses, in ascending order.
     fn search_together(
         &mut self,
-        block: &Range<usize>,
         open: &[usize],
         surveyor: &mut Surveyor<'_>,
         time: &SearchClock,
     ) -> Result<Vec<Option<Found>>, RunError> {
-        let mut found: Vec<Option<Found>> = open.iter().map(|_| None).collect();
-        let together = open.len().div_ceil(PARTS).max(TOGETHER_MIN);
-        // Numbers in `open`: those to look at, and those that were looked at last.
-        let mut waiting: VecDeque<usize> = (0..open.len()).collect();
-        let mut looked_at: Vec<usize> = Vec::new();
-        // Each look is at a later time than the last one at that party.
-        while !(waiting.is_empty() && looked_at.is_empty()) {
-            let mut now: Vec<usize> = waiting.drain(..together.min(waiting.len())).collect();
-            now.sort_unstable();
-            let numbers = |of: &[usize]| of.iter().map(|number| open[*number]).collect::<Vec<_>>();
-            let next = self.look(block, &numbers(&now), &numbers(&looked_at), surveyor, time)?;
-            for (number, next) in looked_at.into_iter().zip(next) {
-                found[number] = next;
-                if found[number].is_none() && self.courses[open[number]].needs_looks() {
-                    waiting.push_back(number);
-                }
-            }
-            looked_at = now;
+        let Self { scenery, people, stage, request, courses, encounters, effort, .. } = self;
+        let assembly = Assembly {
+            scenery,
+            people,
+            stage,
+            criteria: &request.criteria,
+            extremes: &self.extremes,
+            has_limit: time.has_limit(),
+        };
+        let mut left = open.iter().peekable();
+        let is_open = |(k, _): &(usize, _)| left.next_if(|next| **next == *k).is_some();
+        let courses = courses.iter_mut().enumerate().filter(is_open);
+        let courses = courses.map(|(k, course)| Searching { k, course, out: 0, found: Ok(None) });
+        let mut search = CourseSearch {
+            assembly,
+            courses: courses.collect(),
+            encounters,
+            effort: &mut effort.search,
+            cutoff: surveyor.cutoff(time),
+            begun: 0,
+            looks: VecDeque::new(),
+            ready: VecDeque::new(),
+            not_done: Vec::new(),
+        };
+        let looked = surveyor.look(&mut search, stage, time)?;
+        let found = search.courses.into_iter().map(|course| course.found);
+        let found = found.collect::<Result<_, _>>()?;
+        effort.search.nb += looked.counters.nb;
+        effort.search.np += looked.counters.np;
+        effort.search.jobs += looked.jobs;
+        if looked.jobs > 0 {
+            self.reports.extend(surveyor.report());
         }
         Ok(found)
     }
+}
 
-    /// Looks at whomever the courses `now` may meet next. What comes next in the courses `before`,
-    /// none of which is one of `now`, is found meanwhile, and returned; both in ascending order.
-    fn look(
-        &mut self,
-        block: &Range<usize>,
-        now: &[usize],
-        before: &[usize],
-        surveyor: &mut Surveyor<'_>,
-        time: &SearchClock,
-    ) -> Result<Vec<Option<Found>>, RunError> {
-        let is_past = || time.is_past();
-        let is_due = time.is_watched().then_some(&is_past as &dyn Fn() -> bool);
-        let Self { scenery, people, stage, request, courses, encounters, effort, .. } = self;
-        let (extremes, search) = (&self.extremes[..], &mut effort.search);
-        let assembly = Assembly { scenery, people, stage, criteria: &request.criteria, extremes };
-        let all = courses[block.clone()].iter_mut().enumerate();
-        let (mut looking, mut ready) = (Vec::new(), Vec::new());
-        for (at, course) in all {
-            let k = block.start + at;
-            if now.binary_search(&k).is_ok() && course.needs_looks() {
-                course.way.prepare(encounters);
-                looking.push(course);
-            } else if before.binary_search(&k).is_ok() {
-                ready.push((k, course));
-            }
+/// A course whose next contact is searched for.
+struct Searching<'a, 'r> {
+    /// Its number.
+    k: usize,
+    course: &'a mut Course<'r>,
+    /// Looks that are not learnt yet.
+    out: usize,
+    found: Result<Option<Found>, RequestError>,
+}
+
+/// A look at a party.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CourseLook {
+    /// The place of its course in the search.
+    at: usize,
+    party: usize,
+    pub(super) step: OpenStep,
+}
+
+/// The search for the next contacts of some courses.
+pub(super) struct CourseSearch<'a, 'r> {
+    assembly: Assembly<'a, 'r>,
+    courses: Vec<Searching<'a, 'r>>,
+    encounters: &'a mut Encounters,
+    effort: &'a mut EncounterEffort,
+    cutoff: Cutoff<'a>,
+    /// How many courses have begun.
+    begun: usize,
+    /// Looks that nobody has taken yet.
+    looks: VecDeque<CourseLook>,
+    /// Courses whose looks are all learnt.
+    ready: VecDeque<usize>,
+    /// What was not done, in the order in which that came about.
+    pub(super) not_done: Vec<OpenStep>,
+}
+
+impl CourseSearch<'_, '_> {
+    /// Asks for the looks that a course needs: those of one that has asked before go first, as
+    /// nobody else is as far behind.
+    fn begin(&mut self, at: usize, is_first: bool) {
+        let Self { courses, encounters, effort, looks, ready, .. } = self;
+        let Searching { k, course, out, .. } = &mut courses[at];
+        if course.needs_looks() {
+            course.way.prepare(encounters);
         }
-        let (mut asked, mut of_asked, mut far) = (Vec::new(), Vec::new(), Vec::new());
-        for (at, course) in looking.iter().enumerate().filter(|(_, course)| course.needs_looks()) {
+        if course.needs_looks() {
+            let (mut asked, mut far) = (Vec::new(), Vec::new());
             for (party, look) in course.way.looks() {
-                search.encounters += 1;
+                effort.encounters += 1;
                 if !look.may_touch && look.ways.are_far(&(look.from_s..look.end_s)) {
-                    far.push((at, party));
+                    far.push(party);
                     continue;
                 }
-                search.in_trees += 1;
-                of_asked.push((at, party));
-                asked.push(AskedLook { models: scenery.numbers(party), look });
+                effort.in_trees += 1;
+                let number = course.steps + asked.len() as u32;
+                asked.push(CourseLook { at, party, step: OpenStep { course: *k as u32, number } });
+            }
+            course.steps += asked.len() as u32;
+            for party in far {
+                course.way.learn(party, Some(LookOutcome::Never), encounters);
+            }
+            *out = asked.len();
+            if is_first {
+                looks.extend(asked);
+            } else {
+                asked.into_iter().rev().for_each(|look| looks.push_front(look));
             }
         }
-        let mut next = Vec::with_capacity(before.len());
-        let mut ready = ready.into_iter();
-        let mut assemble = || {
-            let Some((k, course)) = ready.next() else { return false };
-            next.push(assembly.next(k, course, time));
-            true
+        if *out == 0 {
+            ready.push_back(at);
+        }
+    }
+
+    /// Assembles the next contact of a course whose looks are all learnt, if there is one.
+    fn assemble(&mut self) -> bool {
+        let Some(at) = self.ready.pop_front() else { return false };
+        let Self { assembly, courses, cutoff, not_done, .. } = self;
+        let Searching { k, course, found, .. } = &mut courses[at];
+        let mut steps = course.steps;
+        let is_over = || {
+            let step = OpenStep { course: *k as u32, number: steps };
+            let is_over = assembly.has_limit && cutoff.is_over(step);
+            steps += u32::from(assembly.has_limit);
+            if is_over {
+                not_done.push(step);
+            }
+            is_over
         };
-        if !asked.is_empty() {
-            let looked = surveyor.look(&asked, stage, encounters, is_due, &mut assemble)?;
-            search.nb += looked.counters.nb;
-            search.np += looked.counters.np;
-            if looked.by_workers {
-                search.jobs += looked.seen.len() as u64;
-                self.reports.extend(surveyor.report());
-            }
-            drop(asked);
-            for ((at, party), seen) in of_asked.into_iter().zip(looked.seen) {
-                looking[at].way.learn(party, seen, encounters);
-            }
+        *found = assembly.next(*k, course, is_over);
+        course.steps = steps;
+        if matches!(found, Ok(None)) && course.needs_looks() {
+            // Each look is at a later time than the last one at that party.
+            self.begin(at, false);
         }
-        while assemble() {}
-        for (at, party) in far {
-            looking[at].way.learn(party, Some(LookOutcome::Never), encounters);
-        }
-        Ok(next.into_iter().collect::<Result<_, _>>()?)
+        true
     }
 }
 
-/// What contacts are assembled from.
-struct Assembly<'a, 'r> {
-    scenery: &'a Scenery<'r>,
-    people: &'a People,
-    stage: &'a BodySet<'r>,
-    criteria: &'a Criteria,
-    /// Extremes of each body, if the stage has none; may be empty.
-    extremes: &'a [Extremes],
-}
+impl LookSource for CourseSearch<'_, '_> {
+    type Id = CourseLook;
 
-impl Assembly<'_, '_> {
-    /// The next contact of course `k` that has to be surveyed; `None`, too, if that needs a look,
-    /// or there is no time.
-    fn next(
-        &self,
-        k: usize,
-        course: &mut Course<'_>,
-        time: &SearchClock,
-    ) -> Result<Option<Found>, RequestError> {
-        let Self { scenery, people, stage, criteria, extremes } = self;
-        let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
-            let view = &stage.bodies[model].1;
-            match stage.extremes.unwrap_or(extremes).get(model) {
-                Some(extremes) => extremes.support(view, direction),
-                None => support_near(view, direction, near),
+    fn next(&mut self) -> Option<CourseLook> {
+        loop {
+            if let Some(look) = self.looks.pop_front() {
+                return Some(look);
             }
-        };
-        let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
-        let is_member = k >= scenery.scenario.candidates.len();
-        if course.stuck.is_some() {
-            return Ok(None);
-        }
-        while let Some(meeting) = course.way.next() {
-            // How it comes about, and its plane, take a millisecond where bodies are large.
-            if time.has_limit() && time.is_over() {
-                course.way.give_up();
-                return Ok(None);
-            }
-            let contact = contact(scenery, people, course, &meeting, &support_of, is_member)?;
-            let approach = &contact.approach;
-            let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
-            let parts =
-                !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
-            match meeting.begin {
-                Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
-                // It was assessed before, and stays as light as it was: no survey changes that.
-                Begin::Again if stays_light(&contact, criteria, &outlines)? => {
-                    course.way.pass(&meeting, closing_m_s, extent_m);
-                }
-                Begin::AtStart | Begin::Again | Begin::Touched => {
-                    // After a deadline nothing may be left to do but to assess what was found. And
-                    // surveys of members leave no time for it.
-                    if time.has_limit() || is_member {
-                        contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
-                    }
-                    return Ok(Some((meeting, contact)));
-                }
+            if self.begun < self.courses.len() {
+                self.begun += 1;
+                self.begin(self.begun - 1, true);
+            } else if !self.assemble() {
+                return None;
             }
         }
-        Ok(None)
     }
-}
 
-/// Whether a contact is light for the ego, which its plane alone decides.
-fn stays_light<'o>(
-    contact: &Candidate,
-    criteria: &Criteria,
-    outlines: &impl Fn(u32) -> &'o Outlines,
-) -> Result<bool, RequestError> {
-    let Criteria { curves, policy, parameters } = criteria;
-    if !contact.may_be_heavy(parameters) {
-        return Ok(true);
+    fn asked(&self, id: CourseLook) -> AskedLook<'_> {
+        let models = self.assembly.scenery.numbers(id.party);
+        AskedLook { models, look: self.courses[id.at].course.way.look(id.party) }
     }
-    contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
-    let basis = Basis { curves, level: policy.outcome, parameters };
-    let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
-        .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
-    Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
+
+    fn look(&mut self, id: CourseLook, watch: QueryWatch<'_>) -> Option<(LookOutcome, Counters)> {
+        let look = self.courses[id.at].course.way.look(id.party);
+        self.encounters.look(&look, watch).ok()
+    }
+
+    fn learn(&mut self, id: CourseLook, seen: Option<LookOutcome>) {
+        let Searching { course, out, .. } = &mut self.courses[id.at];
+        if seen.is_none() {
+            self.not_done.push(id.step);
+        }
+        course.way.learn(id.party, seen, self.encounters);
+        *out -= 1;
+        if *out == 0 {
+            self.ready.push_back(id.at);
+        }
+    }
+
+    fn use_spare_time(&mut self) -> bool {
+        self.assemble()
+    }
 }

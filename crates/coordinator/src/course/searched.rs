@@ -128,8 +128,8 @@ pub fn search_courses(
     let request = &request.among_candidates();
     let time = &SearchClock::until(None).with_idle_hook(backend.idle_hook());
     let (limits, due_ns) = (RequestLimits::default(), None);
-    let (rounds, looks, open_looks) = (None, 0, Vec::new());
-    let surveyor = &mut Surveyor::Backend { backend, limits, due_ns, rounds, looks, open_looks };
+    let (rounds, open_steps) = (None, Vec::new());
+    let surveyor = &mut Surveyor::Backend { backend, limits, due_ns, rounds, open_steps };
     let mut rounds = Rounds::new(stage, request, Until::Complete);
     rounds.keeps_facts = true;
     let mut followed = Followed { rounds, time, surveyor };

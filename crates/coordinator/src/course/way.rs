@@ -253,17 +253,26 @@ impl<'s> Way<'s> {
 
     /// The looks that are needed, and at whom.
     pub(crate) fn looks(&self) -> impl Iterator<Item = (usize, Look<'_>)> {
-        self.ahead.iter().enumerate().filter_map(|(party, ahead)| {
-            let Ahead::Unknown { from_s, still } = *ahead else { return None };
-            let look = Look {
-                ways: self.ways(party),
-                from_s,
-                end_s: self.end_s,
-                resolution_m: self.scenery.scenario.resolution_m,
-                may_touch: still.is_some(),
-            };
-            Some((party, look))
-        })
+        let is_unknown = |party: &usize| matches!(self.ahead[*party], Ahead::Unknown { .. });
+        (0..self.ahead.len()).filter(is_unknown).map(|party| (party, self.look(party)))
+    }
+
+    /// The look at a party of which nothing is known from some time on.
+    ///
+    /// # Panics
+    ///
+    /// All that is needed of it is known.
+    pub(crate) fn look(&self, party: usize) -> Look<'_> {
+        let Ahead::Unknown { from_s, still } = self.ahead[party] else {
+            panic!("nobody asks for a look at what is known")
+        };
+        Look {
+            ways: self.ways(party),
+            from_s,
+            end_s: self.end_s,
+            resolution_m: self.scenery.scenario.resolution_m,
+            may_touch: still.is_some(),
+        }
     }
 
     /// Takes what a look at a party showed; `None`: it was not done.

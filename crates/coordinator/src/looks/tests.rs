@@ -1,13 +1,13 @@
-//! Looks are handed out in parts for which there is memory, a few at a time, and what is no answer
-//! leaves them open.
+//! Looks are handed out as far as there is memory for their paths, a few at a time; what is no
+//! answer leaves them open, and what one shows may ask for others.
 
 use super::*;
 use crate::fixtures::body;
 use crate::gather::{Part, Rest};
 use body::{Body, Shape};
 use dispatch::JobSource as _;
-use executor::encounter::Ways;
-use geometry::motion::{Orientation, State};
+use executor::encounter::{Encounters, Ways};
+use geometry::motion::{Orientation, STATE_WORDS, State};
 use protocol::Summary;
 use protocol::result::{Last, WireSeen};
 
@@ -21,44 +21,122 @@ fn path(states: u32) -> MotionPath {
     MotionPath::new(&(0..states).map(state).collect::<Vec<_>>()).expect("sound")
 }
 
-fn asked<'p>(car: &'p Body, paths: [&'p MotionPath; 2]) -> AskedLook<'p> {
-    let ways = Ways { bodies: [car.view(); 2], paths };
-    let look = Look { ways, from_s: 0.0, end_s: 2.0, resolution_m: 1e-3, may_touch: false };
-    AskedLook { models: [0, 0], look }
+fn still() -> MotionPath {
+    MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).expect("sound")
+}
+
+/// A car that stands, and others that come; the last ones are asked for when the first is learnt.
+struct Cars<'c> {
+    car: &'c Body,
+    still: &'c MotionPath,
+    paths: &'c [MotionPath],
+    next: usize,
+    later: usize,
+    seen: Vec<Option<Option<LookOutcome>>>,
+    encounters: Encounters,
+}
+
+impl<'c> Cars<'c> {
+    fn new(car: &'c Body, still: &'c MotionPath, paths: &'c [MotionPath], later: usize) -> Self {
+        let seen = vec![None; paths.len()];
+        Self { car, still, paths, next: 0, later, seen, encounters: Encounters::default() }
+    }
+}
+
+impl LookSource for Cars<'_> {
+    type Id = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        let is_there = self.next + self.later < self.paths.len();
+        is_there.then(|| {
+            self.next += 1;
+            self.next - 1
+        })
+    }
+
+    fn asked(&self, id: usize) -> AskedLook<'_> {
+        let ways = Ways { bodies: [self.car.view(); 2], paths: [self.still, &self.paths[id]] };
+        let look = Look { ways, from_s: 0.0, end_s: 2.0, resolution_m: 1e-3, may_touch: false };
+        AskedLook { models: [0, 0], look }
+    }
+
+    fn look(&mut self, id: usize, watch: QueryWatch<'_>) -> Option<(LookOutcome, Counters)> {
+        let ways = Ways { bodies: [self.car.view(); 2], paths: [self.still, &self.paths[id]] };
+        let look = Look { ways, from_s: 0.0, end_s: 2.0, resolution_m: 1e-3, may_touch: false };
+        self.encounters.look(&look, watch).ok()
+    }
+
+    fn learn(&mut self, id: usize, seen: Option<LookOutcome>) {
+        assert_eq!(self.seen[id], None, "learnt twice");
+        self.seen[id] = Some(seen);
+        self.later = 0;
+    }
+
+    fn use_spare_time(&mut self) -> bool {
+        false
+    }
+}
+
+fn memory() -> WrittenWords {
+    WrittenWords::create("test", launch::PATHS_WORDS).expect("there is memory")
+}
+
+/// What a worker that looks would send.
+fn answer(seen: Option<WireSeen>) -> Last<'static> {
+    Last { summary: Summary::default(), supports: None, seen, hits: &[] }
+}
+
+fn close<S: LookSource>(run: &mut LookRun<'_, S>, job: &Job, seen: Option<WireSeen>) {
+    run.fold(job, PartOf(Part { hits: &[], rest: Rest::NONE, last: Some(answer(seen)) }));
+    run.close(job, Closed::Done);
 }
 
 #[test]
 fn paths_that_do_not_fit_together_go_one_after_the_other() {
     let car = body(Shape::Sedan, 900);
     let bodies = [(car.meta.clone(), car.view())];
-    let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).expect("sound");
-    let long = [30_000, 30_001, 30_002].map(path);
-    let looks: Vec<_> = long.iter().map(|long| asked(&car, [&still, long])).collect();
-    let mut idle = || false;
-    let first = LookRun::of(&looks, &bodies, (3, None), &mut idle);
-    assert_eq!(first.asked.len(), 2);
+    let (still, memory) = (still(), memory());
+    let paths = [30_000, 30_001, 30_002, 65_536, 20_000].map(path);
+    let mut cars = Cars::new(&car, &still, &paths, 0);
+    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 3, None));
+    let mut jobs = Vec::new();
+    for _ in 0..9 {
+        run.more(&mut jobs);
+    }
+    assert_eq!(jobs.len(), 2, "there is no room for a third");
     // The path that they share is there once.
-    assert_eq!(first.words.len(), (2 + 30_000 + 30_001) * STATE_WORDS);
-    assert!(first.words.len() <= launch::PATHS_WORDS);
-    let rest = LookRun::of(&looks[2..], &bodies, (3, None), &mut idle);
-    assert_eq!((rest.asked.len(), rest.words.len()), (1, (2 + 30_002) * STATE_WORDS));
-    assert!(looks.iter().all(AskedLook::fits));
-    let longest = path(65_536);
-    assert!(!asked(&car, [&still, &longest]).fits());
+    assert_eq!(run.memory.used, (2 + 30_000 + 30_001) * STATE_WORDS);
+    assert!(run.memory.used <= launch::PATHS_WORDS);
+    close(&mut run, &jobs[0], None);
+    run.more(&mut jobs);
+    assert_eq!(jobs.len(), 2, "the other one may still read its path");
+    close(&mut run, &jobs[1], None);
+    run.more(&mut jobs);
+    assert_eq!((jobs.len(), run.memory.used), (3, (2 + 30_002) * STATE_WORDS));
+    run.more(&mut jobs);
+    assert_eq!(jobs.len(), 3);
+    close(&mut run, &jobs[2], None);
+    // No memory is long enough for the fourth path: it is looked at here.
+    run.more(&mut jobs);
+    assert_eq!((jobs.len(), run.memory.used), (4, (2 + 20_000) * STATE_WORDS));
+    run.leave();
+    assert!(matches!(cars.seen[3], Some(Some(LookOutcome::Contact(_)))), "{:?}", cars.seen[3]);
+    assert_eq!([0, 1, 2, 4].map(|at: usize| cars.seen[at]), [Some(None); 4]);
 }
 
 #[test]
-fn what_is_no_answer_leaves_a_look_open() {
+fn what_is_no_answer_leaves_a_look_open_and_answers_ask_for_more() {
     let car = body(Shape::Sedan, 900);
     let bodies = [(car.meta.clone(), car.view())];
-    let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 2.0]).expect("sound");
-    let moving = path(5);
-    let looks = [asked(&car, [&still, &moving]); 5];
-    let here = look_here(&looks, &mut Encounters::default(), None);
-    let met = here.seen[0].expect("it was looked");
+    let (still, memory) = (still(), memory());
+    let paths: [MotionPath; 6] = core::array::from_fn(|_| path(5));
+    let mut here = Cars::new(&car, &still, &paths, 1);
+    look_here(&mut here, &|| false);
+    let met = here.seen[0].flatten().expect("it was looked");
     assert!(matches!(met, LookOutcome::Contact(_)), "{met:?}");
-    let mut idle = || false;
-    let mut run = LookRun::of(&looks, &bodies, (3, None), &mut idle);
+    assert_eq!(here.seen, [Some(Some(met)); 6], "the last one was asked for by the first");
+    let mut cars = Cars::new(&car, &still, &paths, 1);
+    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 3, None));
     let mut jobs = Vec::new();
     for _ in 0..9 {
         run.more(&mut jobs);
@@ -67,12 +145,17 @@ fn what_is_no_answer_leaves_a_look_open() {
     let good = met.to_wire();
     let answers = [Some(good), Some(WireSeen { time_s: 9.0, ..good }), None];
     for (job, seen) in jobs.iter().zip(answers) {
-        let last = Last { summary: Summary::default(), supports: None, seen, hits: &[] };
-        run.fold(job, PartOf(Part { hits: &[], rest: Rest::NONE, last: Some(last) }));
-        run.close(job, Closed::Done);
+        close(&mut run, job, seen);
     }
+    // A part that comes twice changes nothing.
+    run.fold(&jobs[0], PartOf(Part { hits: &[], rest: Rest::NONE, last: Some(answer(None)) }));
     jobs.clear();
-    run.more(&mut jobs);
-    assert_eq!(jobs.len(), 1);
-    assert_eq!(run.seen, [Some(met), None, None, None, None]);
+    for _ in 0..9 {
+        run.more(&mut jobs);
+    }
+    assert_eq!(jobs.len(), 3, "two that were left, and the one that was asked for later");
+    run.close(&jobs[0], Closed::Abandoned);
+    run.leave();
+    assert_eq!(cars.seen[0], Some(Some(met)));
+    assert_eq!(cars.seen[1..], [Some(None); 5]);
 }

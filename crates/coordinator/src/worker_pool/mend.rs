@@ -128,7 +128,7 @@ impl WorkerPool {
         };
         let wake_fd = self.poller.add_event(key)?;
         let core = options.cores.get(usize::from(who.worker)).copied().flatten();
-        let memory = (store, &self.status, &self.paths);
+        let memory = (store, &self.status, &*self.paths);
         #[cfg(not(feature = "faults"))]
         let spawn = runtime::process::spawn;
         #[cfg(feature = "faults")]

@@ -56,7 +56,7 @@ fn content(run: &Run, recorded: &Recorded) -> RecordContent {
         rounds: history.rounds.clone(),
         until: history.until,
         search: history.search,
-        open_looks: history.open_looks.clone(),
+        open_steps: history.open_steps.clone(),
         spans: spans(run),
         edges: edges(run),
         stages: stages(run),

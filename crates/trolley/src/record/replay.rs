@@ -134,8 +134,8 @@ impl Record {
             scene: true,
         };
         let (until, search, rounds) = (content.until, content.search, content.rounds.clone());
-        let open_looks = content.open_looks.clone();
-        let history = CourseHistory { until, search, rounds, open_looks };
+        let open_steps = content.open_steps.clone();
+        let history = CourseHistory { until, search, rounds, open_steps };
         let ranked = coordinator::replay_courses(&stage, &request, &history)?;
         let RankedCourses { answer, explanation, effort, scene, .. } = ranked;
         let implausible = plausibility::of_scenario(parsed, &views, &numbers);

@@ -1,0 +1,100 @@
+//! A contact that comes next, as a candidate of a request: what comes about, and with which plane.
+
+use super::Course;
+use super::assessed_contact::contact;
+use super::persons::People;
+use super::way::{Begin, NextContact, Scenery};
+use crate::request::{Candidate, RequestError};
+use crate::workspace::BodySet;
+use body::Outlines;
+use bvh::support::{Extremes, support_near};
+use damage::approach::STANDSTILL_M_S;
+use damage::course::{PASSED_M, Severity};
+use damage::{Basis, Criteria, Evidence, assess};
+use geometry::DVec3;
+
+/// A contact that comes next, and the same as a candidate of a request.
+pub(super) type Found = (NextContact, Candidate);
+
+/// What contacts are assembled from.
+#[derive(Clone, Copy)]
+pub(super) struct Assembly<'a, 'r> {
+    pub(super) scenery: &'a Scenery<'r>,
+    pub(super) people: &'a People,
+    pub(super) stage: &'a BodySet<'r>,
+    pub(super) criteria: &'a Criteria,
+    /// Extremes of each body, if the stage has none; may be empty.
+    pub(super) extremes: &'a [Extremes],
+    /// Whether there is a deadline.
+    pub(super) has_limit: bool,
+}
+
+impl Assembly<'_, '_> {
+    /// The next contact of course `k` that has to be surveyed; `None`, too, if that needs a look,
+    /// or `is_over` says that there is no time.
+    pub(super) fn next(
+        &self,
+        k: usize,
+        course: &mut Course<'_>,
+        mut is_over: impl FnMut() -> bool,
+    ) -> Result<Option<Found>, RequestError> {
+        let Self { scenery, people, stage, criteria, extremes, has_limit } = self;
+        let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
+            let view = &stage.bodies[model].1;
+            match stage.extremes.unwrap_or(extremes).get(model) {
+                Some(extremes) => extremes.support(view, direction),
+                None => support_near(view, direction, near),
+            }
+        };
+        let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
+        let is_member = k >= scenery.scenario.candidates.len();
+        if course.stuck.is_some() {
+            return Ok(None);
+        }
+        while let Some(meeting) = course.way.next() {
+            // How it comes about, and its plane, take a millisecond where bodies are large.
+            if is_over() {
+                course.way.give_up();
+                return Ok(None);
+            }
+            let contact = contact(scenery, people, course, &meeting, &support_of, is_member)?;
+            let approach = &contact.approach;
+            let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
+            let parts =
+                !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
+            match meeting.begin {
+                Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
+                // It was assessed before, and stays as light as it was: no survey changes that.
+                Begin::Again if stays_light(&contact, criteria, &outlines)? => {
+                    course.way.pass(&meeting, closing_m_s, extent_m);
+                }
+                Begin::AtStart | Begin::Again | Begin::Touched => {
+                    // After a deadline nothing may be left to do but to assess what was found. And
+                    // surveys of members leave no time for it.
+                    if *has_limit || is_member {
+                        contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
+                    }
+                    return Ok(Some((meeting, contact)));
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Whether a contact is light for the ego, which its plane alone decides.
+fn stays_light<'o>(
+    contact: &Candidate,
+    criteria: &Criteria,
+    outlines: &impl Fn(u32) -> &'o Outlines,
+) -> Result<bool, RequestError> {
+    let Criteria { curves, policy, parameters } = criteria;
+    if !contact.may_be_heavy(parameters) {
+        return Ok(true);
+    }
+    contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
+    let basis = Basis { curves, level: policy.outcome, parameters };
+    let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
+        .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
+    Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
+}
