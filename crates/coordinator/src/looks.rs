@@ -258,7 +258,7 @@ impl<'r, S: LookSource> LookRun<'r, S> {
         for id in self.looks.iter_mut().filter_map(Option::take) {
             self.source.learn(id, None);
         }
-        while let Some(id) = self.begun.pop_front() {
+        for id in self.begun.drain(..) {
             self.source.learn(id, None);
         }
     }
