@@ -97,7 +97,7 @@ fn words(
         lines.push(format!("rounds    {} of contacts", record.rounds.len()));
     }
     if !record.open_steps.is_empty() {
-        lines.push(format!("search    {} steps not done", record.open_steps.len()));
+        lines.push(format!("search    steps not done: {}", record.open_steps.len()));
     }
     if let Some(over_at) = record.search.and_then(|search| search.over_at) {
         lines.push(format!("search    out of time at point {over_at} between jobs"));
