@@ -221,6 +221,18 @@ fn when_the_time_is_up_all_is_closed_and_what_comes_later_is_fenced() {
     assert_eq!(fixture.sent(0).concat_jobs(), [0, 1]);
 }
 
+#[test]
+fn a_message_that_is_rejected_and_then_missed_is_one_fault() {
+    let mut fixture = Fixture::new(2, QUEUES, 8);
+    for batches in 1..=2 {
+        fixture.step(Event::Garbled { from: FIRST });
+        fixture.step(Event::Answered { who: FIRST, batches });
+        assert_eq!(fixture.killed(), []);
+    }
+    fixture.step(Event::Garbled { from: FIRST });
+    assert_eq!(fixture.killed(), [(FIRST, Why::Garbled)]);
+}
+
 /// Found by `cargo mutants`: what is turned away was hardly counted.
 #[test]
 fn each_message_that_is_turned_away_counts_once_under_its_reason() {
