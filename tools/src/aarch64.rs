@@ -9,14 +9,14 @@ use crate::built::{Workspace, output, write};
 use crate::step::{cargo, now};
 use anyhow::{Context as _, Result};
 use clap::Args;
-use equal::Program;
+pub(crate) use equal::{Program, SCENARIOS, build_here};
 use page::Page;
 pub(crate) use root::{REGISTER, Root, TARGET, bootstrap, logged, namespaced};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use suites::Which;
-pub(crate) use suites::{BUILD, build_program};
+pub(crate) use suites::{BUILD, PACKED, build_program};
 
 /// How much to do.
 #[derive(Debug, Args)]
@@ -52,10 +52,10 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     // All packages of all targets, since there is no network where they are built.
     output(cargo().args(["fetch", "--locked"])).context("cargo fetch")?;
     let source = workspace.root.canonicalize()?;
-    let file = equal::build_here()?;
+    let file = build_here()?;
     let here = Program { file: &file, root: None, source: &source };
     if options.quick {
-        let file = build_program(&root, &source)?.program()?;
+        let file = build_program(&root, &source, BUILD)?.program()?;
         let there = Program { file: &file, root: Some(&root), source: &source };
         let row = equal::quick(&here, &there)?;
         tell(&row.to_string())?;
@@ -64,7 +64,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 
     let without = options.without.as_deref();
     let mut built = match without {
-        Some("tests") => suites::build_program(&root, &source)?,
+        Some("tests") => build_program(&root, &source, BUILD)?,
         _ => suites::build_whole(&root, &source)?,
     };
     tell(&format!("built   after {:.0} s", start.elapsed().as_secs_f64()))?;

@@ -52,7 +52,9 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let jobs = options.jobs.to_string();
     let file = workspace.root.join("config/deployments/dual-core.toml");
     let campaign = doctor(&program, &file, &["--jobs", &jobs])?;
-    let page = Page { root: &workspace.root, shipped, services, campaign };
+    let version = built::output(Command::new(&program).arg("--version"))?;
+    let version = version.trim().to_owned();
+    let page = Page { root: &workspace.root, version, shipped, services, campaign };
     let out = workspace.root.join(&options.out);
     write(&out, &page.text()?)?;
     writeln!(std::io::stderr(), "bounds  written to {}", out.display())?;

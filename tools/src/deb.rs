@@ -3,7 +3,7 @@
 mod clean;
 mod page;
 
-use crate::aarch64::{BUILD, Root, TARGET, build_program, logged};
+use crate::aarch64::{PACKED, Program, Root, SCENARIOS, TARGET, build_here, build_program, logged};
 use crate::built::{Workspace, output, write};
 use crate::step::{cargo, now};
 use anyhow::{Context as _, Result, bail};
@@ -15,8 +15,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// How large the program should be at most, stripped (bytes): the page says when it is larger.
-pub(crate) const PROGRAM_WANTED: u64 = 12_000_000;
+/// How large the program is at most, stripped (bytes).
+pub(crate) const PROGRAM_MOST: u64 = 12_000_000;
 
 /// An emulator is that much slower, about.
 const EMULATED: u32 = 30;
@@ -53,6 +53,8 @@ pub(crate) struct Packages {
     pub(crate) program: u64,
     /// What lintian said, which has no error among it.
     pub(crate) lintian: String,
+    /// Hashes of `answer` by scenario, which are those of the release build here.
+    pub(crate) answers: Vec<(&'static str, String)>,
     /// How long it took to build and pack (s).
     pub(crate) seconds: f64,
 }
@@ -141,39 +143,42 @@ impl<'w> Maker<'w> {
     /// Of this machine: for its own libc and every later one.
     fn amd64(&self) -> Result<Packages> {
         let start = now();
-        output(cargo().arg("build").args(BUILD))?;
-        let release = self.workspace.target.join("release");
-        self.stage(&release, &release.join("trolley"))?;
+        output(cargo().arg("build").args(PACKED))?;
+        let built = self.workspace.target.join("vehicle");
+        self.stage(&built, &built.join("trolley"))?;
         let pack = |words: &[&str]| {
             let mut command = Command::new(&self.packer);
             command.current_dir(&self.workspace.root).args(words);
             command.env("CARGO_TARGET_DIR", &self.workspace.target);
             command
         };
-        self.pack("amd64", start, pack)
+        let program = built.join("trolley");
+        let packed = Program { file: &program, root: None, source: &self.workspace.root };
+        self.pack("amd64", start, &packed, pack)
     }
 
     /// Of the root file system: for its libc and every later one.
     fn arm64(&self, root: &Root) -> Result<Packages> {
         let start = now();
         let source = self.workspace.root.canonicalize()?;
-        let program = build_program(root, &source)?.program()?;
-        let release = program.parent().context("a file without a folder")?;
+        let program = build_program(root, &source, PACKED)?.program()?;
+        let built = program.parent().context("a file without a folder")?;
         // Pages and completions are the same for both; this machine runs its own program faster.
-        output(cargo().arg("build").args(BUILD))?;
-        self.stage(release, &self.workspace.target.join("release/trolley"))?;
+        output(cargo().arg("build").args(PACKED))?;
+        self.stage(built, &self.workspace.target.join("vehicle/trolley"))?;
         let packer = self.packer.canonicalize()?;
         let packer = packer.to_str().context("a path that is no UTF-8")?;
         let pack = |words: &[&str]| {
             let target = ["--target", TARGET];
             root.inside(&source, &[&[packer], words, &target].concat())
         };
-        self.pack("arm64", start, pack)
+        let packed = Program { file: &program, root: Some(root), source: &source };
+        self.pack("arm64", start, &packed, pack)
     }
 
     /// What is in the packages and in no other place: pages, completions, the unit.
-    fn stage(&self, release: &Path, program: &Path) -> Result<()> {
-        let folder = release.join("deb");
+    fn stage(&self, built: &Path, program: &Path) -> Result<()> {
+        let folder = built.join("deb");
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
@@ -197,6 +202,7 @@ impl<'w> Maker<'w> {
         &self,
         arch: &'static str,
         start: std::time::Instant,
+        packed: &Program<'_>,
         pack: impl Fn(&[&str]) -> Command,
     ) -> Result<Packages> {
         // In the folder that both see.
@@ -205,7 +211,8 @@ impl<'w> Maker<'w> {
         let folder = folder.canonicalize()?;
         let make = |package: &str, revision: &str, multiarch: &str| {
             let file = folder.join(format!("{package}-{revision}-{arch}.deb"));
-            let words = ["--no-build", "--fast", "--locked", "--offline", "--package", package];
+            let words = ["--no-build", "--fast", "--locked", "--offline", "--profile", "vehicle"];
+            let words = [&words[..], &["--package", package]].concat();
             let more = ["--maintainer", &self.maintainer, "--deb-revision", revision];
             let out = ["--output", file.to_str().context("a path that is no UTF-8")?];
             let words = [&words[..], &more, &out, &["--multiarch", multiarch]].concat();
@@ -224,7 +231,27 @@ impl<'w> Maker<'w> {
         }
         let seconds = start.elapsed().as_secs_f64();
         let program = program_size(&service)?;
-        Ok(Packages { arch, service, next, developers, program, lintian: text, seconds })
+        if program > PROGRAM_MOST {
+            bail!("{arch}: the program has {program} bytes, and may have {PROGRAM_MOST}");
+        }
+        let answers = self.answers(packed)?;
+        Ok(Packages { arch, service, next, developers, program, lintian: text, answers, seconds })
+    }
+
+    /// Answers of the program that is packed: other optimisations may change no byte of them.
+    fn answers(&self, packed: &Program<'_>) -> Result<Vec<(&'static str, String)>> {
+        let fast = build_here()?;
+        let fast = Program { file: &fast, root: None, source: &self.workspace.root };
+        let mut answers = Vec::new();
+        for &scenario in SCENARIOS {
+            let [wanted, found] = [&fast, packed].map(|it| it.answer(scenario, &["--in-process"]));
+            let (wanted, found) = (wanted?.0, found?.0);
+            if found != wanted {
+                bail!("answer of {scenario}: {found} as packed, {wanted} of the release build");
+            }
+            answers.push((scenario, found));
+        }
+        Ok(answers)
     }
 }
 

@@ -15,6 +15,7 @@ mod faults;
 mod gallery;
 mod inputs;
 mod machine;
+mod mutants;
 mod oracle;
 mod safety;
 mod scenarios;
@@ -124,6 +125,12 @@ enum Task {
     Deb(deb::Options),
     /// Write requirements, assumptions and failure modes as needs.json, for sphinx-needs.
     Needs(safety::Options),
+    /// Change dispatcher and ranking in small ways, each of which a test must notice.
+    ///
+    /// Needs cargo-mutants. What an earlier run caught is not tried again. Fails if a change that
+    /// no test notices is not explained in tools/safety/mutants.toml. The page is
+    /// tools/results/mutants.md.
+    Mutants(mutants::Options),
     /// Draw the crashes of the demo and of real bodies: stills, and a page that shows them.
     Gallery(gallery::Options),
     /// Build the Python package, and try it in an empty environment without cargo.
@@ -161,6 +168,7 @@ fn main() -> Result<ExitCode> {
         Task::Aarch64(options) => aarch64::run(&options),
         Task::Deb(options) => deb::run(&options),
         Task::Needs(options) => safety::run(&options),
+        Task::Mutants(options) => mutants::run(&options),
         Task::Gallery(options) => gallery::run(&options),
         Task::Wheel(options) => wheel::run(&options),
         Task::Engines(options) => engines::run(&options),

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The scenarios that are ranked, of `config/scenarios`.
-const SCENARIOS: &[&str] = &["minimal", "wall-or-pole", "four", "small", "crossing"];
+pub(crate) const SCENARIOS: &[&str] = &["minimal", "wall-or-pole", "four", "small", "crossing"];
 
 /// The scenarios that workers rank there, and whose records are replayed.
 const WITH_WORKERS: &[&str] = &["minimal", "four"];
@@ -77,7 +77,7 @@ impl Program<'_> {
     }
 
     /// Hash of the `answer` of a ranking, byte for byte as it was written, and the time.
-    fn answer(&self, scenario: &str, how: &[&str]) -> Result<(String, f64)> {
+    pub(crate) fn answer(&self, scenario: &str, how: &[&str]) -> Result<(String, f64)> {
         let file = format!("config/scenarios/{scenario}.toml");
         let (said, seconds) = self.run(&[&["rank", &file, "--json"], how].concat())?;
         let from = said.find("\"answer\":").context("no answer")?;

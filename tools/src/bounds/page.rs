@@ -14,6 +14,8 @@ const NOTES: &str = include_str!("notes.md");
 #[derive(Debug)]
 pub(super) struct Page<'p> {
     pub(super) root: &'p Path,
+    /// What the program that was measured says of itself.
+    pub(super) version: String,
     pub(super) shipped: Vec<(&'static str, Value)>,
     pub(super) services: Vec<Measured>,
     pub(super) campaign: Value,
@@ -42,6 +44,7 @@ impl Page<'_> {
         for (name, value) in machine::describe(self.root)? {
             writeln!(text, "| {name} | {value} |")?;
         }
+        writeln!(text, "| program | {} |", self.version)?;
         writeln!(
             text,
             "\n## Deployments that ship\n\nComputed by `trolley doctor --deployment FILE.toml`: \

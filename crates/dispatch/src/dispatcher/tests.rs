@@ -90,6 +90,9 @@ impl World {
         self.now_ns += 1;
         let progress = self.dispatcher.step(self.now_ns, event, &mut self.work, &mut effects);
         self.carry_out(effects);
+        // Who waits until then and polls would poll for ever otherwise.
+        let due_ns = self.dispatcher.due_ns();
+        assert!(due_ns.is_none_or(|due| due > self.now_ns), "{due_ns:?}, at {}", self.now_ns);
         progress
     }
 

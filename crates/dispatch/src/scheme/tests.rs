@@ -80,3 +80,20 @@ fn random_match_is_even() {
     // Five standard deviations around 10,000 are 408.
     assert!([0, 2, 3].iter().all(|core| drawn[*core].abs_diff(10_000) < 408), "{drawn:?}");
 }
+
+/// The first numbers of the generator's authors for this seed: their top bytes among 256 cores.
+#[test]
+fn random_match_draws_what_splitmix64_does() {
+    let cores = [CoreView { eligible: true, queued: 0, has_a: false, has_b: false }; 256];
+    let mut scheme = RandomMatch { state: 1_234_567 };
+    let numbers = [
+        6_457_827_717_110_365_317_u64,
+        3_203_168_211_198_807_973,
+        9_817_491_932_198_370_423,
+        4_593_380_528_125_082_431,
+        16_408_922_859_458_223_821,
+    ];
+    for number in numbers {
+        assert_eq!(scheme.choose(&cores, 64), Some((number >> 56) as usize));
+    }
+}

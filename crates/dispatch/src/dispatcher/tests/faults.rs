@@ -221,6 +221,90 @@ fn when_the_time_is_up_all_is_closed_and_what_comes_later_is_fenced() {
     assert_eq!(fixture.sent(0).concat_jobs(), [0, 1]);
 }
 
+#[test]
+fn a_message_that_is_rejected_and_then_missed_is_one_fault() {
+    let mut fixture = Fixture::new(2, QUEUES, 8);
+    for batches in 1..=2 {
+        fixture.step(Event::Garbled { from: FIRST });
+        fixture.step(Event::Answered { who: FIRST, batches });
+        assert_eq!(fixture.killed(), []);
+    }
+    fixture.step(Event::Garbled { from: FIRST });
+    assert_eq!(fixture.killed(), [(FIRST, Why::Garbled)]);
+}
+
+/// Found by `cargo mutants`: what is turned away was hardly counted.
+#[test]
+fn each_message_that_is_turned_away_counts_once_under_its_reason() {
+    let mut fixture = Fixture::new(1, QUEUES, 3);
+    let mut part = |request, job, part, last| {
+        let (job, attempt) = (JobId(job), 0);
+        fixture.step(Event::Part { from: FIRST, request, job, attempt, part, last, body: part });
+        fixture.dispatcher.counts()
+    };
+    for times in 1..=3 {
+        assert_eq!(part(RequestId(6), 0, 0, true).fence.stale, times);
+        assert_eq!(part(NOW, 9, 0, true).fence.not_leased, times);
+        assert_eq!(part(NOW, 1, 5, false).fence.gap, times);
+    }
+    part(NOW, 0, 0, false);
+    for times in 1..=3 {
+        assert_eq!(part(NOW, 0, 0, false).fence.repeated, times);
+    }
+    assert_eq!(part(NOW, 0, 1, true).done, 1);
+    let job = JobId(0);
+    for times in 4..=6 {
+        fixture.step(Event::Failed { from: FIRST, request: NOW, job, attempt: 0 });
+        assert_eq!(fixture.dispatcher.counts().fence.not_leased, times);
+    }
+    let fence = fixture.dispatcher.counts().fence;
+    assert_eq!((fence.stale, fence.gap, fence.repeated, fence.sum()), (3, 3, 3, 15));
+}
+
+#[test]
+fn a_result_in_parts_is_folded_in_their_order_and_its_job_is_not_run_again() {
+    let mut fixture = Fixture::new(1, QUEUES, 1);
+    let job = JobId(0);
+    let mut part = |part, last| {
+        let (from, request, attempt) = (FIRST, NOW, 0);
+        fixture.step(Event::Part { from, request, job, attempt, part, last, body: part })
+    };
+    (0..4).for_each(|number| assert_eq!(part(number, false), Progress::Working));
+    assert_eq!(part(4, true), Progress::Finished);
+    let folded = (0..5).map(|part| ((0, part), 1)).collect();
+    assert_eq!(fixture.work.folded, folded);
+    let counts = fixture.dispatcher.counts();
+    assert_eq!((counts.reissued, counts.fence.sum()), (0, 0));
+}
+
+#[test]
+fn lists_that_are_given_back_are_used_again() {
+    let mut fixture = Fixture::new(1, QUEUES, 40);
+    let (mut jobs_seen, mut fetch_seen) = (0, 0);
+    for batches in 1..=20 {
+        for effect in std::mem::take(&mut fixture.said) {
+            let Effect::Send { jobs: mut list, mut fetch, .. } = effect else { continue };
+            (jobs_seen, fetch_seen) = (list.capacity(), fetch.capacity());
+            for (job, attempt) in list.clone() {
+                fixture.send_part(FIRST, job.0, attempt);
+            }
+            // More than any list of its own has.
+            list.reserve(500);
+            fetch.reserve(500);
+            fixture.dispatcher.reuse(list, fetch);
+        }
+        fixture.step(Event::Answered { who: FIRST, batches });
+    }
+    assert!(jobs_seen >= 500 && fetch_seen >= 500, "{jobs_seen} and {fetch_seen}");
+}
+
+#[test]
+fn each_reason_to_kill_is_told_apart() {
+    let told = [Why::Garbled, Why::Forgetful, Why::Full].map(|why| why.to_string());
+    assert!(told.iter().all(|text| !text.is_empty()));
+    assert_eq!(BTreeSet::from(told).len(), 3);
+}
+
 trait Jobs {
     fn concat_jobs(&self) -> Vec<u32>;
 }

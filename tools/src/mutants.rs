@@ -1,0 +1,167 @@
+//! `cargo x mutants`: changes the source in small ways, each of which some test must notice.
+//!
+//! What no test notices is explained in `tools/safety/mutants.toml`, or this fails.
+
+use crate::built::{Workspace, write};
+use crate::machine;
+use crate::step::{cargo, now};
+use anyhow::{Context as _, Result, ensure};
+use clap::Args;
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+/// How much to do.
+#[derive(Debug, Args)]
+pub(crate) struct Options {
+    /// Every Nth mutant alone; the page says so.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    every: u32,
+    /// The page to write.
+    #[arg(long, value_name = "FILE", default_value = "tools/results/mutants.md")]
+    out: PathBuf,
+}
+
+/// What is changed: a name, the package whose tests must notice, and files.
+const PARTS: [(&str, &str, &[&str]); 2] = [
+    ("dispatch", "trolley-dispatch", &["crates/dispatch/src/**"]),
+    ("rank", "trolley-damage", &["crates/damage/src/rank.rs", "crates/damage/src/rank/**"]),
+];
+
+/// Flaws on purpose, of a feature that these builds do not have.
+const FLAWS: &str = "crates/dispatch/src/dispatcher/flaw.rs";
+
+/// No test of one mutant takes longer (s): those that never end are noticed by this alone.
+const LONGEST_S: &str = "240";
+
+/// A mutant that no test notices, and why none needs to.
+#[derive(Debug, Deserialize)]
+struct Survivor {
+    file: String,
+    /// As cargo-mutants says it: `replace X with Y in Z`.
+    change: String,
+    why: String,
+}
+
+impl Survivor {
+    /// Whether this is the mutant that a line names: `FILE:LINE:COLUMN: CHANGE`.
+    fn is(&self, line: &str) -> bool {
+        line.split_once(": ").is_some_and(|(place, change)| {
+            place.starts_with(&format!("{}:", self.file)) && change == self.change
+        })
+    }
+}
+
+#[derive(Debug, Deserialize)]
+struct Survivors {
+    #[serde(default)]
+    survivor: Vec<Survivor>,
+}
+
+/// What came of the mutants of a part, and how long it took (s).
+#[derive(Debug)]
+struct Outcome {
+    /// A test failed, or the compiler refused it.
+    caught: BTreeSet<String>,
+    endless: BTreeSet<String>,
+    missed: BTreeSet<String>,
+    seconds: f64,
+}
+
+/// Tries all, and writes the page.
+pub(crate) fn run(options: &Options) -> Result<ExitCode> {
+    let workspace = Workspace::find()?;
+    let known = Command::new("cargo-mutants").arg("--version").output();
+    let known = known.is_ok_and(|done| done.status.success());
+    ensure!(known, "there is no cargo-mutants\n  help: cargo install cargo-mutants --locked");
+    let table = fs::read_to_string(workspace.root.join("tools/safety/mutants.toml"))?;
+    let Survivors { survivor: explained } = toml::from_str(&table)?;
+    let mut text = String::from(
+        "# Mutants: small changes of the source that tests must notice\n\n\
+         Written by `cargo x mutants`, with cargo-mutants. The machine does other work too.\n\n\
+         | | |\n|---|---|\n",
+    );
+    for (name, value) in machine::describe(&workspace.root)? {
+        writeln!(text, "| {name} | {value} |")?;
+    }
+    let which = match options.every {
+        1 => "All mutants were tried.".to_owned(),
+        every => format!("**Every {every}th mutant was tried**, of each file alike."),
+    };
+    write!(
+        text,
+        "\n{which} *Endless* are those whose tests did not end within {LONGEST_S} s, which is how \
+         they are noticed;\n*caught* those that a test or the compiler refuses. Tests of the package \
+         alone count, not those of packages above.\n\n\
+         | part | caught | endless | missed | s |\n|---|--:|--:|--:|--:|\n"
+    )?;
+    let mut missed = Vec::new();
+    for (part, package, files) in PARTS {
+        let found = try_all(&workspace, part, package, files, options.every)?;
+        let Outcome { caught, endless, seconds, .. } = &found;
+        let counts = [caught, endless, &found.missed].map(|list| list.len().to_string());
+        writeln!(text, "| {part} | {} | {seconds:.0} |", counts.join(" | "))?;
+        writeln!(std::io::stderr(), "mutants {part}: {} missed", found.missed.len())?;
+        missed.extend(found.missed);
+    }
+    let (mut explanations, mut unexplained) = (String::new(), String::new());
+    for line in &missed {
+        match explained.iter().find(|entry| entry.is(line)) {
+            Some(Survivor { why, .. }) => writeln!(explanations, "- `{line}`: {why}")?,
+            None => writeln!(unexplained, "- `{line}`")?,
+        }
+    }
+    for (title, list) in [("Missed, and why", &explanations), ("Not explained", &unexplained)] {
+        if !list.is_empty() {
+            write!(text, "\n## {title}\n\n{list}")?;
+        }
+    }
+    let out = workspace.root.join(&options.out);
+    write(&out, &text)?;
+    writeln!(std::io::stderr(), "mutants written to {}", out.display())?;
+    Ok(if unexplained.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Runs cargo-mutants in a copy of the source; what an earlier run caught is not tried again.
+fn try_all(
+    workspace: &Workspace,
+    part: &str,
+    package: &str,
+    files: &[&str],
+    every: u32,
+) -> Result<Outcome> {
+    let folder = workspace.target.join("mutants").join(format!("{part}-{every}"));
+    fs::create_dir_all(&folder)?;
+    let mut command = cargo();
+    command.current_dir(&workspace.root).args(["mutants", "--package", package, "--jobs", "1"]);
+    command.args(["--iterate", "--no-shuffle", "--timeout", LONGEST_S, "--output"]).arg(&folder);
+    command.args(["--sharding", "round-robin", "--shard", &format!("0/{every}")]);
+    command.args(["--exclude", FLAWS]);
+    for file in files {
+        command.args(["--file", file]);
+    }
+    // Compiling takes longer than testing.
+    for profile in ["DEV", "TEST"] {
+        command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "0");
+    }
+    command.env("CARGO_TARGET_DIR", workspace.target.join("mutants/built"));
+    let start = now();
+    let status = command.status().context("cannot start cargo")?;
+    // 2: some were missed; 3: some did not end.
+    let code = status.code();
+    ensure!(matches!(code, Some(0 | 2 | 3)), "{part}: cargo mutants ended with {status}");
+    let seconds = start.elapsed().as_secs_f64();
+    let out = folder.join("mutants.out");
+    let list = |names: &[&str]| -> BTreeSet<String> {
+        let text = names.iter().map(|name| fs::read_to_string(out.join(name)).unwrap_or_default());
+        text.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>()).collect()
+    };
+    // Earlier runs keep both kinds in one list.
+    let caught = list(&["caught.txt", "unviable.txt", "previously_caught.txt"]);
+    let (missed, endless) = (list(&["missed.txt"]), list(&["timeout.txt"]));
+    Ok(Outcome { caught, endless, missed, seconds })
+}
