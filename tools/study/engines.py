@@ -184,10 +184,10 @@ class Cluster:
 
     def start(self, name):
         common = ["--num-cpus=1", "--object-store-memory=100000000", "--block",
-                  "--disable-usage-stats"]
+                  "--disable-usage-stats", "--include-log-monitor=false"]
         if name == "head":
             where = ["--head", f"--port={PORT}", "--node-ip-address=127.0.0.1",
-                     "--include-dashboard=false", f"--temp-dir={self.folder / 'r'}"]
+                     "--include-dashboard=false", "--no-monitor", f"--temp-dir={self.folder / 'r'}"]
         else:
             where = [f"--address=127.0.0.1:{PORT}", "--node-ip-address=127.0.0.2"]
         self.nodes[name] = subprocess.Popen(
