@@ -5,7 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-use ::trolley::{Engine, Limits, Scenario};
+use ::trolley::{Engine, FailureKind, Limits, Scenario, Worlds};
 use columns::{ReadColumn, read};
 use geometry::rng::Rng;
 use std::collections::BTreeMap;
@@ -264,12 +264,47 @@ fn a_truncated_and_a_foreign_shard_are_named_and_ranked_again() {
 fn every_so_many_rows_are_what_rank_says() {
     let planned = Planned::usual();
     planned.run_here();
+    are_what_rank_says(&planned, 7);
+    let said = planned.command(&["check", "--ranked-every", "7"]);
+    assert!(said.status.success(), "{}", text(&said.stderr));
+    assert!(text(&said.stdout).contains("11 of 11 rows equal trolley rank, 0 refused."));
+}
+
+#[test]
+fn rows_of_members_and_worlds_are_what_rank_says() {
+    let spec = SPEC.replace("scenes_per", "members = 4\nmembers_max = 8\nworlds = 30\nscenes_per");
+    let spec = spec.replace("error_sigma = { values = [0, 1] }", "errors = { values = [0.5, 2] }");
+    let planned = Planned::new(&spec, &[("a.scenario", POLE)]);
+    let ran = planned.command(&["run", "--jobs", "2"]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    are_what_rank_says(&planned, 5);
+    let (mut shares, mut members) = (0, 0);
+    for shard in 0..4 {
+        let [contact, best] = ["contact_share", "best_share"].map(|it| planned.column(shard, it));
+        let [count, worlds] = ["members", "worlds"].map(|it| planned.column(shard, it));
+        for place in 0..count.rows() {
+            assert_eq!(worlds.whole(place), Some(30));
+            assert!(matches!(count.whole(place), Some(4 | 8)), "{:?}", count.whole(place));
+            assert!((0.0..=1.0).contains(&best.real(place).unwrap()));
+            let contact = contact.real(place).unwrap();
+            shares += u32::from(contact > 0.0 && contact < 1.0);
+            members += 1;
+        }
+    }
+    assert_eq!(members, 36);
+    assert!(shares > 0, "what is uncertain happens in some members");
+    let again = Planned::new(&spec, &[("a.scenario", POLE)]);
+    assert_eq!(again.run_here(), planned.rows(), "in one process as in children");
+}
+
+/// Multiples of a number among the rows are what `trolley rank` says of their scenes.
+fn are_what_rank_says(planned: &Planned, every: i64) {
     let mut engine = Engine::builder().in_process().build().unwrap();
     let mut compared = 0;
-    for shard in 0..8 {
+    for shard in 0..status(&planned.dir).unwrap().shards {
         let (rows, hashes) = (planned.column(shard, "row"), planned.column(shard, "answer_hash"));
         for (place, row) in (0..rows.rows()).filter_map(|it| Some((it, rows.whole(it)?))) {
-            if row % 7 != 0 {
+            if row % every != 0 {
                 continue;
             }
             let out = planned.place.path().join(format!("row-{row}"));
@@ -278,12 +313,14 @@ fn every_so_many_rows_are_what_rank_says() {
             assert!(written.status.success(), "{}", text(&written.stderr));
             let scenario = out.join("scenario.toml");
             let opened = Scenario::open(&scenario).unwrap();
-            let answer = engine.rank(&opened, &Limits::default()).unwrap().answer;
+            let command = text(&written.stdout);
+            let worlds = if command.contains("--worlds 30") { 30 } else { 200 };
+            let limits = Limits::default().with_worlds(Worlds::new(worlds, 0).unwrap());
+            let answer = engine.rank(&opened, &limits).unwrap().answer;
             let answer = serde_json::to_string(&answer).unwrap();
             let hash = blake3::hash(answer.as_bytes()).to_hex().to_string();
             assert_eq!(hashes.text(place), Some(hash.as_str()), "row {row}");
             // The program as well, by the command that `scene` names.
-            let command = text(&written.stdout);
             let words: Vec<&str> = command.split_whitespace().collect();
             let ranked = trolley().args(&words[1..]).args(["--in-process", "--json"]).output();
             let ranked: serde_json::Value = support::json(&ranked.unwrap());
@@ -292,7 +329,76 @@ fn every_so_many_rows_are_what_rank_says() {
             compared += 1;
         }
     }
-    assert!(compared >= 10);
+    assert!(compared >= 8);
+}
+
+#[test]
+fn what_a_machine_refuses_and_a_changed_input_are_no_rows() {
+    let rows = Planned::usual().run_here();
+    let planned = Planned::usual();
+    let input = planned.dir.join("inputs/0001/scenario.toml");
+    let right = fs::read_to_string(&input).unwrap();
+    for wrong in [None, Some(right.replace("straight on", "straight off"))] {
+        fs::remove_file(&input).unwrap();
+        if let Some(wrong) = &wrong {
+            fs::write(&input, wrong).unwrap();
+        }
+        let ran = planned.command(&["run", "--jobs", "2"]);
+        assert_eq!(ran.status.code(), Some(FailureKind::System as i32));
+        let said = text(&ran.stderr);
+        for shard in 3..8 {
+            assert!(said.contains(&format!("Shard {shard} is not finished: ")), "{said}");
+            // More often than a scene that takes its process down.
+            for _ in 0..4 {
+                let refused = run_shard(&planned.dir, shard).unwrap_err();
+                assert_eq!(refused.kind(), FailureKind::System);
+                assert!(refused.what().contains("inputs/0001/scenario.toml"), "{refused}");
+            }
+        }
+        let found = status(&planned.dir).unwrap();
+        assert_eq!((found.finished, found.refused, found.deaths), (3, 0, 0));
+        fs::write(&input, &right).unwrap();
+    }
+    assert!(planned.command(&["run", "--jobs", "2"]).status.success());
+    assert_eq!(planned.rows(), rows);
+
+    // Descriptors for the standard streams and the scene in hand, and none for an input.
+    let planned = Planned::usual();
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", "ulimit -n 4 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_trolley")]);
+    let ran = command.args(["study", "run", "--shard", "0"]).arg(&planned.dir).output().unwrap();
+    assert_eq!(ran.status.code(), Some(FailureKind::System as i32), "{}", text(&ran.stderr));
+    assert!(text(&ran.stderr).contains("Too many open files"), "{}", text(&ran.stderr));
+    assert_eq!(planned.run_here(), rows);
+}
+
+#[test]
+fn a_scene_that_takes_too_long_is_a_row_and_the_study_ends() {
+    // More than a millisecond, however quick the machine is.
+    let spec = |limit_s: &str| {
+        let keys = format!("members = 1024\nscene_limit_s = {limit_s}\nscenes_per");
+        SPEC.replace("scenes_per", &keys).replace("count = 3", "count = 1").replace("1.2", "0.8")
+    };
+    let planned = Planned::new(&spec("0.001"), &[("a.scenario", POLE)]);
+    let ran = planned.command(&["run", "--jobs", "2"]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let found = status(&planned.dir).unwrap();
+    assert_eq!((found.finished, found.refused, found.rows[0]), (2, 12, 12));
+    let refusal = planned.column(1, "refusal");
+    let why = "it took longer than 0.001 s, the scene_limit_s of the study";
+    assert_eq!(refusal.text(0), Some(why));
+    let said = planned.command(&["check", "--ranked-every", "1"]);
+    assert!(text(&said.stdout).contains("0 of 0 rows"), "another machine may be quicker");
+    assert!(text(&said.stdout).contains("Left out: 12"));
+    // A limit that is not reached changes nothing: fewer members, as these take their time.
+    let [usual, limited] = ["", "scene_limit_s = 3600\n"].map(|key| {
+        let spec = SPEC.replace("scenes_per", &format!("members = 4\n{key}scenes_per"));
+        let planned = Planned::new(&spec, &[("a.scenario", POLE)]);
+        run_shard(&planned.dir, 0).unwrap();
+        planned.column(0, "answer_hash")
+    });
+    assert!(usual.text(0).is_some());
+    assert_eq!(usual, limited);
 }
 
 #[test]
@@ -324,6 +430,8 @@ fn a_scene_that_cannot_be_ranked_is_a_row_with_the_reason() {
     assert!(refusals[&1][0].contains("of unknown kind"), "{}", refusals[&1][0]);
     assert!(refusals[&2][0].contains("reaction_s = 1: candidate"), "{}", refusals[&2][0]);
     assert!(refusals[&3][0].contains("d.scenario:10:22: "), "{}", refusals[&3][0]);
+    let said = planned.command(&["check", "--ranked-every", "3"]);
+    assert!(text(&said.stdout).contains("48 of 48 rows equal trolley rank, 30 refused."));
 }
 
 #[test]

@@ -26,6 +26,8 @@ import shapes  # noqa: E402
 import trolley_av as ta  # noqa: E402
 
 ROUNDS = 3
+"""Rounds of the two threads: they take milliseconds, and any other process is in the way."""
+THREAD_ROUNDS = 21
 POSES = 10_000
 """How long a round of a library may take (s): slow ones take the first poses alone."""
 LIMIT_S = 1.0
@@ -532,7 +534,7 @@ def threads():
     a, b = ta.Body.generate("sedan", 20_000), ta.Body.generate("suv", 20_000)
     poses = shapes.poses(POSES, 2.5, 3)
     quicker, dearer = [], []
-    for _ in range(ROUNDS):
+    for _ in range(THREAD_ROUNDS):
         clock, processor = [], []
         for number in (1, 2):
             begun = time.perf_counter()
@@ -544,7 +546,7 @@ def threads():
     print("## Threads\n")
     print(f"`touches` on two threads takes {statistics.median(dearer):.2f} times the CPU time of "
           f"one, and is {statistics.median(quicker):.2f} times as quick by the clock "
-          f"({min(quicker):.2f} to {max(quicker):.2f} over {ROUNDS} rounds), on {len(ALL)} cores "
+          f"({min(quicker):.2f} to {max(quicker):.2f} over {THREAD_ROUNDS} rounds), on {len(ALL)} cores "
           f"whose load was {os.getloadavg()[0]:.1f} before.")
 
 

@@ -45,8 +45,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
             built_wheel(&build, &package, &wheels.join("dist"))?
         }
     };
-    let ray =
-        python.environment("ray", &["ray>=2.52", "duckdb", "polars", "pyarrow"], Kept::Yes)?;
+    let needed = ["ray>=2.52", "duckdb", "polars", "pyarrow", "numpy"];
+    let ray = python.environment("ray", &needed, Kept::Yes)?;
     ray.install(&["--force-reinstall", "--no-deps", &wheel.display().to_string()])?;
     // Paths of sockets are short.
     let folder = tempfile::Builder::new().prefix("trolley-engines").tempdir()?;

@@ -11,7 +11,7 @@ const THREADS_MAX: usize = 256;
 /// Queries that a thread takes at a time: some microseconds each, at least.
 const CHUNK: usize = 32;
 
-/// Queries between two looks for signals, such as Ctrl-C.
+/// Queries of a thread between two looks for signals, such as Ctrl-C.
 const BLOCK: usize = 8_192;
 
 /// The number of threads that a caller wants; 0: one for each core that this process may use.
@@ -37,9 +37,10 @@ pub(crate) fn answers<S: Send, T: Send, E: Send>(
 ) -> PyResult<Vec<T>> {
     let mut all = Vec::with_capacity(count);
     let mut own = scratch();
-    for begin in (0..count).step_by(BLOCK) {
+    let block = BLOCK.saturating_mul(threads);
+    for begin in (0..count).step_by(block) {
         py.check_signals()?;
-        let end = count.min(begin + BLOCK);
+        let end = count.min(begin + block);
         let helpers = threads.min((end - begin).div_ceil(CHUNK));
         if helpers <= 1 {
             let block = py.detach(|| -> Result<Vec<T>, E> {
@@ -48,7 +49,7 @@ pub(crate) fn answers<S: Send, T: Send, E: Send>(
             all.extend(block.map_err(&raise)?);
             continue;
         }
-        let block = py.detach(|| shared(begin..end, helpers, &scratch, &answer));
+        let block = py.detach(|| shared(begin..end, helpers, (&scratch, &mut own), &answer));
         all.extend(block.map_err(&raise)?);
     }
     Ok(all)
@@ -57,24 +58,26 @@ pub(crate) fn answers<S: Send, T: Send, E: Send>(
 fn shared<S, T: Send, E: Send>(
     numbers: std::ops::Range<usize>,
     helpers: usize,
-    scratch: &(impl Fn() -> S + Sync),
+    (scratch, own): (&(impl Fn() -> S + Sync), &mut S),
     answer: &(impl Fn(usize, &mut S) -> Result<T, E> + Sync),
 ) -> Result<Vec<T>, E> {
     let chunks: Vec<usize> = numbers.clone().step_by(CHUNK).collect();
     let mut found: Vec<Option<Result<Vec<T>, E>>> = chunks.iter().map(|_| None).collect();
     let open = Mutex::new(chunks.iter().zip(&mut found));
-    std::thread::scope(|scope| {
-        for _ in 0..helpers {
-            scope.spawn(|| {
-                let mut scratch = scratch();
-                loop {
-                    let next = open.lock().unwrap_or_else(PoisonError::into_inner).next();
-                    let Some((first, place)) = next else { break };
-                    let chunk = *first..numbers.end.min(first + CHUNK);
-                    *place = Some(chunk.map(|number| answer(number, &mut scratch)).collect());
-                }
-            });
+    let work = |scratch: &mut S| {
+        loop {
+            let next = open.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((first, place)) = next else { break };
+            let chunk = *first..numbers.end.min(first + CHUNK);
+            *place = Some(chunk.map(|number| answer(number, scratch)).collect());
         }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..helpers {
+            scope.spawn(|| work(&mut scratch()));
+        }
+        // The caller works as well: one thread less to start.
+        work(own);
     });
     let mut all = Vec::with_capacity(numbers.len());
     for chunk in found.into_iter().flatten() {

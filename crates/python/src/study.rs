@@ -5,6 +5,7 @@
 use crate::errors::raise;
 use pyo3::prelude::*;
 use serde::Serialize;
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 use trolley::Failure;
 
@@ -37,8 +38,13 @@ pub(crate) fn study_status(py: Python<'_>, folder: PathBuf) -> PyResult<String> 
 
 /// Holds every byte against what was written.
 #[pyfunction]
-pub(crate) fn study_check(py: Python<'_>, folder: PathBuf, redo: bool) -> PyResult<String> {
-    told(py, || study::check(&folder, redo, &|_, _| {}))
+pub(crate) fn study_check(
+    py: Python<'_>,
+    folder: PathBuf,
+    redo: bool,
+    ranked_every: Option<NonZeroU64>,
+) -> PyResult<String> {
+    told(py, || study::check(&folder, redo, ranked_every, &|_, _| {}))
 }
 
 /// Runs a shard.

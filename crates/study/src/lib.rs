@@ -16,10 +16,12 @@
 //! # Invariants
 //!
 //! - A shard's rows do not depend on who ranks it, on kills, or on the number of processes, but for
-//!   a scene of which three processes died, whoever killed them, or that the machine refused three
-//!   times: `tests/study/main.rs`.
+//!   a scene of which three processes died, whoever killed them, or that took longer than the study
+//!   allows: `tests/study/main.rs`.
 //! - A flipped byte, a truncated or a foreign shard is named, and it alone is ranked again:
 //!   `tests/study/main.rs`.
+//! - What a machine refuses, and a folder that is not as planned, is no row: the shard is not
+//!   finished, and the next one who runs it begins anew: `tests/study/main.rs`.
 //! - A row is what `trolley rank` says of its scene: `tests/study/main.rs`.
 
 mod attempts;
@@ -28,6 +30,7 @@ mod knob;
 mod plan;
 mod ranker;
 mod report;
+mod reranked;
 mod rows;
 mod run;
 mod scene;
@@ -39,6 +42,7 @@ mod status;
 pub use knob::SweepKnob;
 pub use plan::{Plan, SceneKey, plan};
 pub use report::report;
+pub use reranked::{Reranked, RowFault};
 pub use rows::TABLES_SCHEMA;
 pub use run::{RunDone, RunOptions, run, work};
 pub use scene::{WrittenScene, write_scene};

@@ -44,6 +44,7 @@ pub(crate) struct PlanFile {
     pub(crate) spec: String,
     pub(crate) members: [i64; 2],
     pub(crate) worlds: i64,
+    pub(crate) scene_limit_s: f64,
     pub(crate) scenes_per_shard: u32,
     pub(crate) candidates: RowSelection,
     pub(crate) persons: RowSelection,
@@ -138,6 +139,7 @@ pub fn plan(spec: &Path, dir: &Path) -> Result<Plan, Failure> {
         spec: read.text,
         members: read.members,
         worlds: read.worlds,
+        scene_limit_s: read.scene_limit_s,
         scenes_per_shard: read.scenes_per_shard,
         candidates: read.candidates,
         persons: read.persons,
@@ -329,6 +331,11 @@ impl Plan {
     /// The worlds of every answer, where there are members.
     pub(crate) fn worlds(&self) -> Worlds {
         Worlds::new(self.file.worlds, 0).unwrap_or(Worlds::USUAL)
+    }
+
+    /// How long one scene may take (s), by the clock.
+    pub(crate) fn scene_limit_s(&self) -> f64 {
+        self.file.scene_limit_s
     }
 
     pub(crate) fn file(&self) -> &PlanFile {

@@ -82,6 +82,23 @@ impl Base {
             return Err(Failure::new(FailureKind::Refused, refusal.clone()));
         }
         let folder = dir.join(input.folder());
+        // That its files are not as planned says something of this folder, and nothing of a scene.
+        let mut texts =
+            Self::texts(dir, input).map_err(|failure| failure.of_kind(FailureKind::System))?;
+        if texts.is_empty() {
+            return Err(Failure::input("it has no scenario").at(folder.display()));
+        }
+        let text = texts.remove(0).text;
+        let mut table: Table =
+            toml::from_str(&text).map_err(|error| Failure::input(error.message()))?;
+        for key in DECIDED {
+            table.remove(key);
+        }
+        Ok(Self { table, files: texts })
+    }
+
+    /// The texts of an input, if they and its bodies are what was planned.
+    fn texts(dir: &Path, input: &Input) -> Result<Vec<SourceText>, Failure> {
         let mut texts = Vec::new();
         for file in &input.files {
             let name = format!("{}/{}", input.folder(), file.name);
@@ -93,16 +110,7 @@ impl Base {
             let text = plan::read(dir, &name, &file.hash)?;
             texts.push(SourceText { name: file.name.clone(), text });
         }
-        if texts.is_empty() {
-            return Err(Failure::input("it has no scenario").at(folder.display()));
-        }
-        let text = texts.remove(0).text;
-        let mut table: Table =
-            toml::from_str(&text).map_err(|error| Failure::input(error.message()))?;
-        for key in DECIDED {
-            table.remove(key);
-        }
-        Ok(Self { table, files: texts })
+        Ok(texts)
     }
 }
 

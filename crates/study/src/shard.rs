@@ -4,9 +4,9 @@
 //! scenes --engine--> answers --rows--> three tables in DIR/tmp --seal, fsync, rename--> DIR/shards
 //! ```
 
-use crate::attempts::{Attempt, TRIES, Watcher};
+use crate::attempts::{Attempt, Watcher};
 use crate::plan::{Plan, make};
-use crate::ranker::Ranker;
+use crate::ranker::{self, Ranker};
 use crate::rows::{self, ANSWERS, CANDIDATES, PERSONS, Row, Tables};
 use crate::scene::Scenes;
 use crate::seal::{self, Broken, SEAL, Seal, SealedFile, TABLES};
@@ -48,7 +48,7 @@ pub struct Runner {
 /// # Errors
 ///
 /// If the folder holds no study, another build planned it, there is no such shard, or it cannot be
-/// written. That a scene cannot be ranked is a row.
+/// written, or the machine refuses what a scene needs. That a scene cannot be ranked is a row.
 pub fn run_shard(dir: &Path, shard: u32) -> Result<ShardDone, Failure> {
     Runner::open(dir)?.run(shard, &mut |_| {})
 }
@@ -87,6 +87,8 @@ impl Runner {
             Err(Broken::Absent) => {}
             Err(Broken::Damaged(_) | Broken::Foreign(_)) => set_aside(&self.plan, shard)?,
         }
+        // Before anything is noted of it.
+        self.plan.scenes_of(shard)?;
         let (folder, seal) = self.written(shard, told)?;
         publish(&self.plan, shard, &folder)?;
         Ok(done(&seal, false))
@@ -98,8 +100,20 @@ impl Runner {
         shard: u32,
         told: &mut dyn FnMut(u64),
     ) -> Result<(PathBuf, Seal), Failure> {
-        let scenes = self.plan.scenes_of(shard)?;
         let attempt = Attempt::begin(self.plan.dir(), shard, self.watcher)?;
+        let written = self.ranked(shard, &attempt, told);
+        // Nobody died of the scene in hand, whatever came out.
+        attempt.end();
+        written
+    }
+
+    fn ranked(
+        &mut self,
+        shard: u32,
+        attempt: &Attempt,
+        told: &mut dyn FnMut(u64),
+    ) -> Result<(PathBuf, Seal), Failure> {
+        let scenes = self.plan.scenes_of(shard)?;
         let (plan, ranker) = (&self.plan, &mut self.ranker);
         let mut source = Scenes::new(plan);
         let mut writer = ShardWriter::new(plan, shard, [scenes.start, scenes.end])?;
@@ -108,11 +122,9 @@ impl Runner {
             let is_poison = attempt.takes(scene)?;
             let key = plan.scene(scene)?;
             let outcomes = if is_poison {
-                let refusal = format!("the process that ranked it died, {TRIES} times");
-                let count = plan.answers_per_scene() as usize;
-                (0..count).map(|_| Err(refusal.clone())).collect()
+                ranker::died(plan)
             } else {
-                ranker.outcomes(plan, &mut source, &key)
+                ranker.outcomes(plan, &mut source, &key)?
             };
             for (answer, outcome) in (0..).zip(outcomes) {
                 let (policy, curves) = plan.judges_of(answer);
@@ -126,9 +138,7 @@ impl Runner {
             told(scene + 1 - scenes.start);
         }
         writer.append(plan, &rows)?;
-        let written = writer.finish(plan)?;
-        attempt.end();
-        Ok(written)
+        writer.finish(plan)
     }
 }
 

@@ -17,12 +17,14 @@ const VALUES_MAX: usize = 10_000;
 const SHARD_MAX: i64 = 5_000;
 /// Scenes of a shard where nothing is said: some seconds of work.
 const SHARD: i64 = 500;
+/// Longest time that a scene may take (s), and that where nothing is said.
+const SCENE_S: [f64; 2] = [3_600.0, 600.0];
 /// Characters of a name at most.
 const NAME_MAX: usize = 60;
 
 const KEYS: &str = "a study has schema, name, policies, [[recordings]] or [[scenarios]], and may \
-                    have curves, parameters, members, members_max, worlds, scenes_per_shard, \
-                    candidates, persons and [sweep.NAME]: trolley help studies";
+                    have curves, parameters, members, members_max, worlds, scene_limit_s, \
+                    scenes_per_shard, candidates, persons and [sweep.NAME]: trolley help studies";
 
 /// Of what there are rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, serde::Serialize)]
@@ -42,6 +44,7 @@ pub(crate) struct StudySpec {
     pub(crate) name: String,
     pub(crate) members: [i64; 2],
     pub(crate) worlds: i64,
+    pub(crate) scene_limit_s: f64,
     pub(crate) scenes_per_shard: u32,
     pub(crate) candidates: RowSelection,
     pub(crate) persons: RowSelection,
@@ -90,6 +93,7 @@ struct File {
     members: Option<Spanned<i64>>,
     members_max: Option<Spanned<i64>>,
     worlds: Option<Spanned<i64>>,
+    scene_limit_s: Option<Spanned<f64>>,
     scenes_per_shard: Option<Spanned<i64>>,
     candidates: Option<RowSelection>,
     persons: Option<RowSelection>,
@@ -199,6 +203,16 @@ impl StudySpec {
                 return Err(reader.refused(written.span().start, &what, &help));
             }
         };
+        let [longest_s, usual_s] = SCENE_S;
+        let scene_limit_s = match &read.scene_limit_s {
+            None => usual_s,
+            Some(written) if (0.001..=longest_s).contains(written.get_ref()) => *written.get_ref(),
+            Some(written) => {
+                let what = format!("scene_limit_s is {}", written.get_ref());
+                let help = format!("scene_limit_s may be 0.001 to {longest_s}");
+                return Err(reader.refused(written.span().start, &what, &help));
+            }
+        };
         let usual = || vec![Placed { text: "default".to_owned(), place: file.to_owned() }];
         let named = |list: Option<&Spanned<Vec<Spanned<String>>>>, key: &str| match list {
             None => Ok(usual()),
@@ -223,6 +237,7 @@ impl StudySpec {
             name: name.clone(),
             members: [count, most],
             worlds,
+            scene_limit_s,
             // Checked above.
             scenes_per_shard: u32::try_from(scenes_per_shard).unwrap_or(1),
             candidates: read.candidates.unwrap_or(RowSelection::All),

@@ -2,10 +2,12 @@
 
 use crate::attempts;
 use crate::plan::Plan;
+use crate::reranked::{Reranked, reranked};
 use crate::seal::{self, Broken, Seal, TABLES};
 use crate::shard::{Runner, publish, set_aside};
 use runtime::InputKind;
 use serde::Serialize;
+use std::num::NonZeroU64;
 use std::path::Path;
 use trolley::{Failure, files};
 
@@ -51,6 +53,9 @@ pub struct Checked {
     pub absent: u32,
     /// Those that are there and are not sound.
     pub broken: Vec<BrokenShard>,
+    /// What came of ranking rows again, if that was wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reranked: Option<Reranked>,
 }
 
 /// A shard that was not as it was written.
@@ -87,14 +92,24 @@ impl Status {
 }
 
 impl Checked {
+    /// Returns whether nothing was found to be wrong.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let differs = |reranked: &Reranked| !reranked.differ.is_empty();
+        self.broken.is_empty() && !self.reranked.as_ref().is_some_and(differs)
+    }
+
     /// Returns all that in lines, a line for each shard that was not sound.
     #[must_use]
     pub fn text(&self) -> String {
-        let Self { shards, sound, absent, broken } = self;
+        let Self { shards, sound, absent, broken, reranked } = self;
         let mut text = format!("{sound} of {shards} shards are sound, {absent} not finished.");
         for BrokenShard { shard, faults, is_redone } in broken {
             let redone = if *is_redone { ", ranked again" } else { "" };
             text += &format!("\nShard {shard}{redone}: {}", faults.join("; "));
+        }
+        if let Some(reranked) = reranked {
+            text += &format!("\n{}", reranked.text());
         }
         text
     }
@@ -149,16 +164,26 @@ pub fn status(dir: &Path) -> Result<Status, Failure> {
 /// Holds every byte of every shard against its seal. A shard that is not sound is ranked again,
 /// which shows each byte that was changed, and put in place of what was there.
 ///
-/// `redo`: whether to rank again; else faults are only named, bytes to a block of 4,096. `told`
-/// hears of shards that were looked at, of all.
+/// `redo`: whether to rank again; else faults are only named, bytes to a block of 4,096.
+/// `ranked_every`: then rows whose numbers are multiples of it are held against `trolley rank` of
+/// their scenes. `told` hears of shards that were looked at, of all, twice if rows are ranked.
 ///
 /// # Errors
 ///
 /// If the folder holds no study; if `redo`, also if another build planned it, or it cannot be
 /// written.
-pub fn check(dir: &Path, redo: bool, told: &dyn Fn(u64, u64)) -> Result<Checked, Failure> {
+pub fn check(
+    dir: &Path,
+    redo: bool,
+    ranked_every: Option<NonZeroU64>,
+    told: &dyn Fn(u64, u64),
+) -> Result<Checked, Failure> {
     let plan = Plan::open(dir)?;
-    let mut checked = Checked { shards: plan.shards(), sound: 0, absent: 0, broken: Vec::new() };
+    let mut checked =
+        Checked { shards: plan.shards(), sound: 0, absent: 0, broken: Vec::new(), reranked: None };
+    if ranked_every.is_some() {
+        plan.check_build()?;
+    }
     let mut runner: Option<Runner> = None;
     for shard in 0..plan.shards() {
         match Seal::check(&plan, shard) {
@@ -188,6 +213,9 @@ pub fn check(dir: &Path, redo: bool, told: &dyn Fn(u64, u64)) -> Result<Checked,
     }
     let strangers = strangers(&plan)?;
     checked.broken.extend(strangers);
+    if let Some(every) = ranked_every {
+        checked.reranked = Some(reranked(&plan, every.get(), told)?);
+    }
     Ok(checked)
 }
 

@@ -218,7 +218,6 @@ impl Limits {
         };
         match self {
             Self { until: Until::Ordered | Until::Certified, .. } => refused("early end"),
-            Self { deadline: Some(_), .. } => refused("deadline"),
             Self { budget: Some(_), .. } => refused("budget"),
             Self { job_history: true, .. } => refused("record"),
             Self { explanation: true, .. } => refused("explanation"),

@@ -107,7 +107,8 @@ impl Diagnostic for AssessmentError {
 }
 
 /// Searches a scene for all that any policy and any curves may ask of it: as many members as the
-/// request allows at most. `None` if work was lost, so that harm has bounds only.
+/// request allows at most. `None` if work was lost, so that harm has bounds only, or if it is past
+/// `due_ns` (monotonic), which is asked between jobs.
 ///
 /// Of the request, `worlds`, `history`, `explanation` and `scene` are not used.
 ///
@@ -121,13 +122,14 @@ impl Diagnostic for AssessmentError {
 pub fn search_courses(
     stage: &BodySet<'_>,
     request: &CourseRequest<'_>,
+    due_ns: Option<u64>,
     backend: &mut Backend,
 ) -> Result<Option<SearchedCourses>, RunError> {
     let request =
         CourseRequest { history: false, explanation: false, scene: false, ..request.clone() };
     let request = &request.among_candidates();
-    let time = &SearchClock::until(None).with_idle_hook(backend.idle_hook());
-    let (limits, due_ns) = (RequestLimits::default(), None);
+    let time = &SearchClock::until(due_ns).with_idle_hook(backend.idle_hook());
+    let limits = RequestLimits::default();
     let (rounds, open_steps) = (None, Vec::new());
     let surveyor = &mut Surveyor::Backend { backend, limits, due_ns, rounds, open_steps };
     let mut rounds = Rounds::new(stage, request, Until::Complete);
@@ -145,6 +147,9 @@ pub fn search_courses(
                 break;
             }
             Err(error) => return Err(error),
+        }
+        if time.is_over() {
+            return Ok(None);
         }
         stages.push(SearchedStage { count, replaced: followed.rounds.members.replaced });
         if count == 0 || count >= most {

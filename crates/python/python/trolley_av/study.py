@@ -90,20 +90,22 @@ def status(folder):
     return json.loads(_core.study_status(folder))
 
 
-def check(folder, *, redo=True):
+def check(folder, *, redo=True, ranked_every=None):
     """Hold every byte of a study against what was written.
 
     Args:
         folder: the folder of the study, or its URL.
         redo: whether shards that are not sound are ranked again.
+        ranked_every: rows whose numbers are multiples of it are ranked again, each from files.
 
     Returns:
-        A dict: ``sound``, ``absent``, and ``broken`` with the faults of each shard.
+        A dict: ``sound``, ``absent``, ``broken`` with the faults of each shard, and ``reranked``
+        with ``rows``, and ``differ``, those that `trolley rank` has otherwise.
     """
     if not _store.is_url(folder):
-        return json.loads(_core.study_check(folder, redo))
+        return json.loads(_core.study_check(folder, redo, ranked_every))
     store = _store.at(folder)
-    checked = json.loads(_core.study_check(store.get_shards(), redo))
+    checked = json.loads(_core.study_check(store.get_shards(), redo, ranked_every))
     for broken in checked["broken"]:
         if broken["is_redone"]:
             store.put_shard(broken["shard"])

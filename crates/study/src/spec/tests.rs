@@ -39,6 +39,7 @@ fn every_fault_has_a_place_and_a_remedy() {
         ("name = \"Test\"", "name = \"Test\"\nname = \"Test\"", "3:1", "name"),
         ("name = \"Test\"", "name = \"Test\"\nmembers = 0", "3:11", "members"),
         ("name = \"Test\"", "name = \"Test\"\nworlds = -1", "3:10", "worlds"),
+        ("name = \"Test\"", "name = \"Test\"\nscene_limit_s = 0", "3:17", "scene_limit_s"),
         ("name = \"Test\"", "name = \"Test\"\nscenes_per_shard = 0", "3:20", "scenes_per_shard"),
         ("name = \"Test\"", "name = \"Test\"\npersons = \"some\"", "3:11", "some"),
         ("[\"a.toml\"]", "[]", "5:9", "files is empty"),

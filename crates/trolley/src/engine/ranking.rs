@@ -156,8 +156,8 @@ impl Engine {
 
     /// Searches a scenario for all that any policy and any curves may ask of it, to be assessed
     /// without geometry as often as wanted. It follows as many members as `limits`, or the
-    /// scenario, allow at most, so it may take longer than a ranking; a deadline that the scenario
-    /// states does not count.
+    /// scenario, allow at most, so it may take longer than a ranking. One that is not done by a
+    /// deadline of `limits` is refused; a deadline that the scenario states does not count.
     ///
     /// ```
     /// use trolley::{Limits, Scenario, Worlds};
@@ -176,14 +176,25 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// As [`Engine::rank`]; if `limits` end work early, or ask for an explanation or a record; if a
-    /// worker lost work, so that harm has bounds only.
+    /// As [`Engine::rank`]; if `limits` end work early, or ask for an explanation or a record; if
+    /// there was no time for it, or a worker lost work, so that harm has bounds only.
     pub fn search(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Searched, Failure> {
         limits.check_search()?;
         self.with_scene(scenario, limits, None, SILENT, |scene| {
             let Scene { stage, request, implausible, backend, .. } = scene;
-            let courses = coordinator::search_courses(&stage, &request, backend)?;
+            let deadline = limits.deadline(None);
+            // Below an hour.
+            let due_ns = deadline.map(|length| clock::now_ns() + length.as_nanos() as u64);
+            let courses = coordinator::search_courses(&stage, &request, due_ns, backend)?;
             let lost = || {
+                if let Some(length) = deadline
+                    && due_ns.is_some_and(|due_ns| clock::now_ns() >= due_ns)
+                {
+                    let what = format!("it was not searched within {} s", length.as_secs_f64());
+                    return Failure::new(FailureKind::Refused, what)
+                        .at(scenario.file())
+                        .with_remedy("allow more time, or fewer members");
+                }
                 let failure = Failure::new(FailureKind::System, "work of the search was lost");
                 failure.at(scenario.file()).with_remedy("search it again, or rank it")
             };

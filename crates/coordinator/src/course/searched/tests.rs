@@ -84,10 +84,13 @@ impl Trial {
             explanation: false,
             scene: false,
         };
+        // One that is not reached changes nothing.
+        let due_ns = text.len().is_multiple_of(2).then_some(u64::MAX);
         let executor = Box::new(InProcessExecutor::with_room_for(&views));
         let mut backend = Backend::InProcess(executor);
         let all = std::mem::take(&mut self.all);
-        let searched = search_courses(&stage, &request(&all[0], Worlds::USUAL), &mut backend);
+        let searched =
+            search_courses(&stage, &request(&all[0], Worlds::USUAL), due_ns, &mut backend);
         for (number, criteria) in all.iter().enumerate() {
             let worlds = [
                 Worlds::USUAL,
