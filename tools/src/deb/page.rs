@@ -63,12 +63,12 @@ impl Display for Page<'_> {
         let largest = self.packages.iter().map(|(of, ..)| of.program).max().unwrap_or_default();
         writeln!(
             f,
-            "\nThe program is stripped and without the laboratory; it may have {PROGRAM_MOST} bytes. \
-             It is built as the profile\n`vehicle` says: small, but for what a request goes \
-             through.{}\n\n\
+            "\nThe program is stripped and without the laboratory; it may have {PROGRAM_MOST} \
+             bytes.{} It is built as\nthe profile `vehicle` says: small, but for what a request \
+             goes through.\n\n\
              ## Answers as packed\n\n\
-             BLAKE3 of `answer` byte for byte, the first 16 digits: each equals that of the release \
-             build for x86-64.\n\n| scenario | program of | answer |\n|---|---|---|",
+             BLAKE3 of `answer` byte for byte, the first 16 digits: each equals that of the \
+             release\nbuild for x86-64.\n\n| scenario | program of | answer |\n|---|---|---|",
             if largest > PROGRAM_MOST { " **It is larger.**" } else { "" },
         )?;
         for (of, ..) in &self.packages {
