@@ -95,8 +95,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     write!(
         text,
         "\n{which} *Endless* are those whose tests did not end within {LONGEST_S} s, which is how \
-         they are noticed;\n*caught* those that a test or the compiler refuses. Tests of the package \
-         alone count, not those of packages above.\n\n\
+         they are noticed;\n*caught* those that a test or the compiler refuses. Tests of the \
+         package alone count, not those of packages above.\n\n\
          | part | caught | endless | missed | s |\n|---|--:|--:|--:|--:|\n"
     )?;
     let mut missed = Vec::new();

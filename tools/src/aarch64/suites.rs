@@ -36,6 +36,9 @@ pub(crate) struct Suite {
     /// Where cargo would start it.
     folder: PathBuf,
     filter: Option<&'static str>,
+    /// One test at a time: whoever does not end soon after a signal is ended by force, and under an
+    /// emulator soon is long only for who has a core.
+    is_alone: bool,
     env: Vec<String>,
 }
 
@@ -144,6 +147,7 @@ pub(crate) fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<S
             program: program.clone(),
             folder: source.join("crates").join(folder),
             filter,
+            is_alone: target == "processes",
             env: vec![format!("TROLLEY_TEST_PATIENCE={PATIENCE}")],
         })
     };
@@ -181,6 +185,9 @@ impl Suite {
         words.extend(["timeout", "--kill-after=10", &limit]);
         words.push(self.program.to_str().context("a path that is no UTF-8")?);
         words.extend(self.filter);
+        if self.is_alone {
+            words.push("--test-threads=1");
+        }
         let start = now();
         let output = root.inside(&self.folder, &words).output().context("cannot start unshare")?;
         let seconds = start.elapsed().as_secs_f64();

@@ -60,14 +60,16 @@ impl Display for Page<'_> {
                 sizes[0], of.program, sizes[1],
             )?;
         }
+        let largest = self.packages.iter().map(|(of, ..)| of.program).max().unwrap_or_default();
         writeln!(
             f,
-            "\nThe program is stripped and without the laboratory, and has {PROGRAM_MOST} bytes at \
-             most. It is built as the profile\n`vehicle` says: small, but for what a request goes \
-             through, which is as fast as in the release build.\n\n\
+            "\nThe program is stripped and without the laboratory; it may have {PROGRAM_MOST} \
+             bytes.{} It is built as\nthe profile `vehicle` says: small, but for what a request \
+             goes through.\n\n\
              ## Answers as packed\n\n\
-             BLAKE3 of `answer` byte for byte, the first 16 digits: each equals that of the release \
-             build for x86-64.\n\n| scenario | program of | answer |\n|---|---|---|"
+             BLAKE3 of `answer` byte for byte, the first 16 digits: each equals that of the \
+             release\nbuild for x86-64.\n\n| scenario | program of | answer |\n|---|---|---|",
+            if largest > PROGRAM_MOST { " **It is larger.**" } else { "" },
         )?;
         for (of, ..) in &self.packages {
             for (scenario, answer) in &of.answers {
