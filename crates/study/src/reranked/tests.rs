@@ -28,19 +28,19 @@ state = { position_m = [0, 0, 0], speed_m_s = 9 }
 #[test]
 fn a_row_that_is_ranked_otherwise_is_named() {
     let place = tempfile::tempdir().unwrap();
-    let at = |name: &str| place.path().join(name);
-    std::fs::write(at("spec.toml"), SPEC).unwrap();
-    std::fs::write(at("a.scenario"), POLE).unwrap();
-    let plan = plan(&at("spec.toml"), &at("study")).unwrap();
+    let path = |name: &str| place.path().join(name);
+    std::fs::write(path("spec.toml"), SPEC).unwrap();
+    std::fs::write(path("a.scenario"), POLE).unwrap();
+    let plan = plan(&path("spec.toml"), &path("study")).unwrap();
     run_shard(plan.dir(), 0).unwrap();
     assert_eq!(reranked(&plan, 2, &|_, _| {}).unwrap(), Reranked { rows: 2, ..equal() });
 
-    let file = File::open(at("study/shards/000000/answers.parquet")).unwrap();
+    let file = File::open(path("study/shards/000000/answers.parquet")).unwrap();
     let written = read(file, ["row", "answer_hash", "refusal"]).unwrap();
     let mut engine = Engine::builder().in_process().build().unwrap();
     let mut compared = |columns: &[ReadColumn; 3]| {
         let mut found = Reranked::default();
-        found.shard(&plan, 1, columns, &at("ranked"), &mut engine).unwrap();
+        found.shard(&plan, 1, columns, &path("ranked"), &mut engine).unwrap();
         found
     };
     assert_eq!(compared(&written), Reranked { rows: 3, ..equal() });
