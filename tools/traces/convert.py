@@ -106,6 +106,7 @@ def main():
     out = pathlib.Path(sys.argv[1])
     out.mkdir(parents=True, exist_ok=True)
     written = 0
+    names = set()
     for path in map(pathlib.Path, sys.argv[2:]):
         try:
             step_s, obstacles = read(path)
@@ -113,13 +114,18 @@ def main():
             continue
         if len(obstacles) < 2:
             continue
+        # Collections hold recordings of the same name.
+        name, number = path.stem, 2
+        while name in names:
+            name, number = f"{path.stem}-{number}", number + 1
+        names.add(name)
         if written % 3 == 2:
-            with open(out / f"{path.stem}.mcap", "wb") as file, Writer(file) as writer:
+            with open(out / f"{name}.mcap", "wb") as file, Writer(file) as writer:
                 for truth in truths(step_s, obstacles):
                     at = truth.timestamp.seconds * 10**9 + truth.timestamp.nanos
                     writer.write_message("GroundTruth", truth, at, at)
         else:
-            with open(out / f"{path.stem}.osi", "wb") as file:
+            with open(out / f"{name}.osi", "wb") as file:
                 for truth in truths(step_s, obstacles):
                     message = truth
                     if written % 3 == 1:

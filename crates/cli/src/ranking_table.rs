@@ -244,7 +244,7 @@ pub(crate) fn first(free: &[&str], hits_nobody: Option<bool>, least: &str) -> St
             format!("No way is free of contact from the start on.{least}")
         }
         [] => format!("Every way hits somebody, as far as is known.{least}"),
-        free => format!("Touches nobody until the end of its way: {}.", free.join(", ")),
+        free => format!("Touches nobody until the end of its way: {}.", free.join("; ")),
     }
 }
 
@@ -256,7 +256,7 @@ pub(crate) fn least(name: &str, tied: usize) -> String {
 
 /// Whom the model cannot tell from the first.
 pub(crate) fn tied(others: &[&str]) -> Option<String> {
-    let others = (!others.is_empty()).then(|| others.join(", "))?;
+    let others = (!others.is_empty()).then(|| others.join("; "))?;
     Some(format!("Ranges of the model overlap with its own: {others}."))
 }
 

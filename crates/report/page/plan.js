@@ -70,8 +70,12 @@
     const taken = [];
     const shown = '[data-course]:not([style*="none"])';
     for (const mark of plan.querySelectorAll(
-      `${shown} text, ${shown} .hit, ${shown} .then, ${shown} .dot.own, :scope > text, :scope > .scale`)) {
+      `${shown} text, ${shown} .hit, ${shown} .gap, ${shown} .dot.own, :scope > text, :scope > .scale`)) {
       taken.push(mark.getBBox());
+    }
+    for (const sample of course.ego) {
+      const [x, y] = place(sample);
+      taken.push({ x: x - 4, y: y - 4, width: 8, height: 8 });
     }
     const reach = scene.parties.map((party) => view.per_m
       * Math.min(...[0, 1].map((k) => Math.max(...party.outline_m.map((p) => Math.abs(p[k]))))));

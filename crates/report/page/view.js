@@ -156,6 +156,9 @@
         ring.element.style.cssText = `left:${middle[0] - r}px;top:${middle[1] - r}px;`
           + `width:${2 * r}px;height:${2 * r}px`;
         ring.mark.by = r + 4;
+        // Names do not cover what touches.
+        const half = 0.75 * Math.min(r, 200);
+        taken.push([middle[0] - half, middle[1] - half, middle[0] + half, middle[1] + half]);
       }
     }
     for (const { at, element, by } of marks) {
@@ -204,6 +207,39 @@
     annotate();
   }
 
+  // All of a box is in the picture and fills it, with room for names and for the bar.
+  function look(box) {
+    const whole = box.clone();
+    whole.max.y += 0.6;
+    const corners = Array.from({ length: 8 }, (_, k) => new THREE.Vector3(
+      k & 1 ? whole.max.x : whole.min.x, k & 2 ? whole.max.y : whole.min.y,
+      k & 4 ? whole.max.z : whole.min.z));
+    const target = whole.getCenter(new THREE.Vector3());
+    const from = new THREE.Vector3(0.7, 1, 0.65).normalize();
+    let away = 1.2 * Math.max(0.5, whole.getSize(new THREE.Vector3()).length());
+    camera.aspect = place.clientWidth / place.clientHeight || 1;
+    camera.updateProjectionMatrix();
+    for (let step = 0; step < 12; step++) {
+      camera.position.copy(target).addScaledVector(from, away);
+      camera.lookAt(target);
+      camera.updateMatrixWorld();
+      const seen = corners.map((corner) => corner.clone().project(camera));
+      const [left, right, low, high] = [Math.min(...seen.map((p) => p.x)),
+        Math.max(...seen.map((p) => p.x)), Math.min(...seen.map((p) => p.y)),
+        Math.max(...seen.map((p) => p.y))];
+      // Its middle goes to that of the picture, a little lower, and its longer side fills it.
+      const half = away * Math.tan(camera.fov * Math.PI / 360);
+      const [right_, up] = [0, 1].map((k) =>
+        new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k));
+      target.addScaledVector(right_, half * camera.aspect * (left + right) / 2);
+      target.addScaledVector(up, half * ((low + high) / 2 + 0.05));
+      away *= Math.max((right - left) / 1.86, (high - low) / 1.68);
+    }
+    controls.target.copy(target);
+    camera.position.copy(target).addScaledVector(from, away);
+    controls.update();
+  }
+
   function show(number) {
     const shot = data.shots[number];
     for (const old of [...stage.children]) {
@@ -213,8 +249,6 @@
     }
     stage.add(...body(shot, 0), ...body(shot, 1));
     const box = new THREE.Box3().setFromObject(stage);
-    const middle = box.getCenter(new THREE.Vector3());
-    const reach = box.getSize(new THREE.Vector3()).length() / 2;
     over.replaceChildren();
     marks = [];
     ring = null;
@@ -239,13 +273,7 @@
     marks = marks.map(mark);
     if (ring) [ring.mark] = marks;
     if (shot.patch) stage.add(...frame(shot.patch));
-    // From farther where the picture is narrow.
-    const wide = place.clientWidth / place.clientHeight || 1;
-    const from = new THREE.Vector3(0.7, 1, 0.65).normalize()
-      .multiplyScalar(reach * 2.4 * Math.max(1, 1.4 / wide));
-    camera.position.copy(middle).add(from);
-    controls.target.copy(middle);
-    controls.update();
+    look(box);
     caption.textContent = shot.caption;
     for (const tab of tabs.children) {
       tab.setAttribute('aria-selected', Number(tab.value) === number);

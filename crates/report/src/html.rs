@@ -40,6 +40,32 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
+/// A range in percent, of which only one end is said where both are the same.
+pub(crate) fn span(low: f64, high: f64) -> String {
+    let [low, high] = [low, high].map(percent);
+    if low == high { high } else { format!("{low}–{high}") }
+}
+
+/// Markup in which a number stays on a line with its unit, and with its error.
+fn glued(markup: &str) -> String {
+    const UNITS: [&str; 10] = ["%", "m/s²", "m/s", "ms", "mm", "kJ", "kg", "s", "m", "±"];
+    let mut out = String::with_capacity(markup.len());
+    let mut rest = markup;
+    let is_digit = |c: char| c.is_ascii_digit();
+    while let Some((before, after)) = rest.split_once(' ') {
+        let is_unit = |unit: &&str| {
+            let next = after.strip_prefix(*unit);
+            next.is_some_and(|next| !next.starts_with(|c: char| c.is_alphanumeric() || c == '='))
+        };
+        let is_one = before.ends_with(is_digit) && UNITS.iter().any(|unit| is_unit(&unit))
+            || before.ends_with('±');
+        out.push_str(before);
+        out.push(if is_one { '\u{a0}' } else { ' ' });
+        rest = after;
+    }
+    out + rest
+}
+
 /// A page about a measurement.
 pub(crate) fn measurement(measurement: &MeasurementPage) -> String {
     framed(&measurement.title, &measurement.markup(), "", "")
@@ -69,8 +95,41 @@ pub fn framed(title: &str, body: &str, style: &str, scripts: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src \
          'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\n\
-         <title>{}</title>\n<style>{STYLE}{style}</style>\n</head>\n<body>\n<main>\n{body}\n\
+         <title>{}</title>\n<style>{STYLE}{style}</style>\n</head>\n<body>\n<main>\n{}\n\
          </main>\n{scripts}\n</body>\n</html>\n",
-        escape(title)
+        escape(title),
+        glued(body)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    //! A number and its unit are not parted, and nothing else is changed.
+
+    use super::*;
+
+    #[test]
+    fn a_number_stays_with_its_unit() {
+        let cases = [
+            ("0.76 % worse", "0.76\u{a0}% worse"),
+            (
+                "after 2.31 s, 3 m; 5 m/s (1 m/s²)",
+                "after 2.31\u{a0}s, 3\u{a0}m; 5\u{a0}m/s (1\u{a0}m/s²)",
+            ),
+            ("0.51 ± 0.03 %", "0.51\u{a0}±\u{a0}0.03\u{a0}%"),
+            ("3 ways, 2 suvs, 1 map", "3 ways, 2 suvs, 1 map"),
+            ("<line x1=\"1 2\" s=\"3\"/>", "<line x1=\"1 2\" s=\"3\"/>"),
+        ];
+        for (markup, expected) in cases {
+            assert_eq!(glued(markup), expected);
+        }
+    }
+
+    #[test]
+    fn a_range_without_width_is_one_number() {
+        let cases = [(0.0, 0.0, "0"), (1e-6, 2e-6, "&lt; 0.01"), (0.0, 0.01, "0–1.00")];
+        for (low, high, expected) in cases {
+            assert_eq!(span(low, high), expected);
+        }
+    }
 }

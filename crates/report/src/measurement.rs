@@ -39,10 +39,13 @@ impl MeasurementPage {
                 out += &self.figure(line);
             } else if line.starts_with('|') {
                 out += "<div class=\"wide\"><table>";
-                out += &row(line, "th");
+                let is_rule = |line: &str| line.chars().all(|c| "|-: ".contains(c));
+                let rule = lines.peek().map_or("", |next| next.trim());
+                let rule = if is_rule(rule) { rule } else { "" };
+                out += &row(line, rule, "th");
                 while let Some(next) = lines.next_if(|next| next.trim().starts_with('|')) {
-                    if !next.trim().chars().all(|c| "|-: ".contains(c)) {
-                        out += &row(next.trim(), "td");
+                    if !is_rule(next.trim()) {
+                        out += &row(next.trim(), rule, "td");
                     }
                 }
                 out += "</table></div>";
@@ -79,14 +82,46 @@ impl MeasurementPage {
     }
 }
 
-fn row(line: &str, cell: &str) -> String {
-    let cells = line.trim_matches('|').split('|');
-    let cells: String =
-        cells.map(|text| format!("<{cell}>{}</{cell}>", inline(text.trim()))).collect();
-    format!("<tr>{cells}</tr>")
+/// A row of a table. `rule` is the line below its heads: "--:" has a column of numbers.
+fn row(line: &str, rule: &str, cell: &str) -> String {
+    let numbers: Vec<bool> =
+        rule.trim_matches('|').split('|').map(|column| column.trim().ends_with(':')).collect();
+    let cells = line.trim_matches('|').split('|').enumerate().map(|(at, text)| {
+        let class = if numbers.get(at) == Some(&true) { " class=\"n\"" } else { "" };
+        format!("<{cell}{class}>{}</{cell}>", inline(text.trim()))
+    });
+    format!("<tr>{}</tr>", cells.collect::<String>())
 }
 
-/// Bold and code; everything else as it is.
+/// Text between marks `*`, and links as the names that they have: the page may lie anywhere.
+fn emphasised(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, name, file, after)) = link(rest) {
+        let _w = write!(out, "{} (<code>{}</code>)", escape(before) + &escape(name), escape(file));
+        rest = after;
+    }
+    out += &escape(rest);
+    let parts: Vec<&str> = out.split('*').collect();
+    // A mark alone is a sign.
+    if parts.len() % 2 == 0 {
+        return out;
+    }
+    let part = |(at, part): (usize, &&str)| {
+        if at % 2 == 1 { format!("<em>{part}</em>") } else { (*part).to_owned() }
+    };
+    parts.iter().enumerate().map(part).collect()
+}
+
+/// The first `[name](file)`: what is before it, both, and what is after it.
+fn link(text: &str) -> Option<(&str, &str, &str, &str)> {
+    let (before, rest) = text.split_once('[')?;
+    let (name, rest) = rest.split_once("](")?;
+    let (file, after) = rest.split_once(')')?;
+    Some((before, name, file, after))
+}
+
+/// Bold, emphasis, code and links; everything else as it is.
 fn inline(text: &str) -> String {
     let mut out = String::new();
     for (at, part) in text.split('`').enumerate() {
@@ -95,7 +130,7 @@ fn inline(text: &str) -> String {
             continue;
         }
         for (at, part) in part.split("**").enumerate() {
-            let part = escape(part);
+            let part = emphasised(part);
             out += &if at % 2 == 1 { format!("<b>{part}</b>") } else { part };
         }
     }
@@ -110,14 +145,16 @@ mod tests {
 
     #[test]
     fn markdown_of_a_measurement_becomes_markup() {
-        let text = "# A <b>\n\nSome **bold** `code`\nand more\n\n| a | b |\n|---|--:|\n| 1 | 2 \
-        |\n\n ![a figure](f.png)\n![another](no.png)\n";
+        let text = "# A <b>\n\nSome **bold** `code`\nand more: *here*, \
+                    the [<map>](m/R.md)\n\n| a | b |\n|---|--:|\n| 1 | 2 |\n\n \
+                    ![a figure](f.png)\n![another](no.png)\n";
         let figures = vec![Figure { name: "f.png".into(), png: vec![1, 2, 3] }];
         let markup = MeasurementPage { title: "A".into(), text: text.into(), figures }.markup();
         for part in [
             "<h1>A &lt;b&gt;</h1>",
-            "<p>Some <b>bold</b> <code>code</code> and more</p>",
-            "<tr><th>a</th><th>b</th></tr><tr><td>1</td><td>2</td></tr>",
+            "<p>Some <b>bold</b> <code>code</code> and more: <em>here</em>, the ",
+            "the &lt;map&gt; (<code>m/R.md</code>)</p>",
+            "<tr><th>a</th><th class=\"n\">b</th></tr><tr><td>1</td><td class=\"n\">2</td></tr>",
             "src=\"data:image/png;base64,AQID\"",
             "no.png is missing",
         ] {

@@ -1,5 +1,6 @@
 //! The bodies and contacts of a ranking as plain values: a shot of each contact.
 
+use crate::plan::in_words;
 use crate::shot::{Shot, ShotBody, ShotPatch};
 use trolley::bodies::Bodies;
 use trolley::plan::{PlanCourse, PlanNearest, PlanScene};
@@ -79,7 +80,7 @@ fn shots_of(scene: &PlanScene, course: &PlanCourse, row: &CourseRow) -> Vec<Shot
         let caption = format!(
             "{name}: {}. {hits} triangles intersect from first contact on{size}. Bodies as \
              they lie when it is complete.",
-            contact.sides
+            in_words(&contact.sides)
         );
         shots.push(Shot {
             name,

@@ -41,6 +41,8 @@ pub struct PlanPage<'a> {
     pub explanation: Option<&'a str>,
 }
 
+pub(crate) use course::in_words;
+
 /// Text as markup, without characters that change the direction of what follows.
 fn name(text: &str) -> String {
     // Marks, embeddings and isolates of the Unicode Bidirectional Algorithm.
@@ -181,7 +183,8 @@ fn view(
          class=\"swatch-ego\"></span> ego <span class=\"swatch-met\"></span> is met <span \
          class=\"swatch-other\"></span> is not met. Lines: where they go, a dot each second; \
          dashed: predicted, but not followed; dotted red: the run-out after a heavy contact. \
-         ⊗ contact; dashed outlines: where it comes nearest. Where a struck party goes is not \
+         ⊗ contact; dashed outlines: where it comes nearest, \
+         and the gap there. Where a struck party goes is not \
          computed: it is shown where it was struck. Bodies outside of the picture are not \
          shown.</p></section>",
     );

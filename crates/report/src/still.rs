@@ -26,7 +26,7 @@ const FINE: usize = 2;
 /// The background, and lines of the grid on the ground.
 const SKY: [f64; 3] = [250.0, 250.0, 248.0];
 const GRID: [f64; 3] = [214.0, 216.0, 212.0];
-/// Least radius of the ring around what touches, in pixels.
+/// Least radius of the ring around what touches, in pixels of a small picture.
 const RING: f64 = 22.0;
 /// Letters and bars.
 const INK: [f64; 3] = [29.0, 33.0, 38.0];
@@ -249,7 +249,7 @@ fn annotate(canvas: &mut Canvas, shot: &Shot, bodies: &[ShotBody], view: &View) 
     let mut ring = None;
     if let Some((Some([x, y, _]), corners)) = patch {
         let reach = corners.iter().map(|[p, q, _]| f64::hypot(p - x, q - y)).fold(0.0, f64::max);
-        let radius = (1.25 * reach).max(RING);
+        let radius = (1.25 * reach).max(RING * canvas.scale());
         canvas.circle([x, y], radius, ALARM);
         ring = Some(([x, y], radius));
     }

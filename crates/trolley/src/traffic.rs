@@ -245,7 +245,13 @@ pub fn import(path: &Path, options: &TrafficOptions) -> Result<ImportedTraffic, 
     };
     let recording = match trace_form(path) {
         Some(form) => {
-            traffic::read_trace(&name, &files::bytes(path, InputKind::Trace)?, form, &read)?
+            let bytes = files::bytes(path, InputKind::Trace)?;
+            let mut recording = traffic::read_trace(&name, &bytes, form, &read)?;
+            // A trace gives itself the name of its format.
+            if let Some(stem) = path.file_stem() {
+                recording.name = format!("{} ({})", stem.to_string_lossy(), recording.name);
+            }
+            recording
         }
         None => traffic::read(&name, &files::text(path, InputKind::Traffic)?, &read)?,
     };

@@ -75,21 +75,32 @@ impl Ground {
                 let name = measure_in_words(measure);
                 let by = rule
                     .map_or_else(String::new, |r| format!(", mostly from {}", rule_in_words(r)));
-                let within = if *tolerance > 0.0 {
-                    format!(", more than {tolerance} above the least")
-                } else {
-                    String::new()
+                let is_share = !matches!(measure, Measure::Weighted(_));
+                let within = match *tolerance {
+                    0.0 => String::new(),
+                    more if is_share => {
+                        format!(", more than {} percentage points above the least", 100.0 * more)
+                    }
+                    more => format!(", more than {more} above the least"),
                 };
-                format!("{first} before {second}: {name} {a:.5} against {b:.5}{within}{by}")
+                let [a, b] = if is_share { shares([*a, *b]) } else { figures([*a, *b]) };
+                format!("{first} before {second}: {name} {a} against {b}{within}{by}")
             }
-            Self::Accept { at_most, first: a, second: b, .. } => format!(
-                "{first} before {second}: nobody's risk exceeds {at_most} (at most {a:.5} \
-                 against {b:.5})"
-            ),
-            Self::FallBack { at_most, first: a, second: b, .. } => format!(
-                "{first} before {second}: nobody's risk is to exceed {at_most}, which no candidate \
-                 keeps ({a:.5} and {b:.5}), and the policy falls back on it"
-            ),
+            Self::Accept { at_most, first: a, second: b, .. } => {
+                let [a, b] = shares([*a, *b]);
+                format!(
+                    "{first} before {second}: nobody's risk exceeds {} % (at most {a} against {b})",
+                    100.0 * at_most
+                )
+            }
+            Self::FallBack { at_most, first: a, second: b, .. } => {
+                let [a, b] = shares([*a, *b]);
+                format!(
+                    "{first} before {second}: nobody's risk is to exceed {} %, which no candidate \
+                     keeps ({a} and {b}), and the policy falls back on it",
+                    100.0 * at_most
+                )
+            }
             Self::TieBreak { by: TieBreak::BrakeInLane, .. } => format!(
                 "{first} before {second}: equal under the policy; the tie-break prefers it by name"
             ),
@@ -102,10 +113,13 @@ impl Ground {
                 a / 1000.0,
                 b / 1000.0
             ),
-            Self::TieBreak { by: TieBreak::High, first: a, second: b } => format!(
-                "{first} before {second}: equal under the policy; the tie-break takes the lower \
-                 upper end of the model range ({a:.5} against {b:.5})"
-            ),
+            Self::TieBreak { by: TieBreak::High, first: a, second: b } => {
+                let [a, b] = shares([*a, *b]);
+                format!(
+                    "{first} before {second}: equal under the policy; the tie-break takes the \
+                     lower upper end of the model range ({a} against {b})"
+                )
+            }
         }
     }
 }
@@ -164,6 +178,29 @@ impl RankOrder<'_> {
         let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
         differences.enumerate().max_by(by_size).map(|(i, _)| PersonId(i))
     }
+}
+
+/// Two shares in percent, as the tables beside them, with more digits where these tell them apart.
+fn shares(both: [f64; 2]) -> [String; 2] {
+    let said = |digits: usize| {
+        let least = (0..digits).fold(1.0, |least, _| 0.1 * least);
+        both.map(|share| match 100.0 * share {
+            0.0 => "0 %".to_owned(),
+            percent if percent > 0.0 && percent < least => format!("< {least:.digits$} %"),
+            percent => format!("{percent:.digits$} %"),
+        })
+    };
+    apart(said)
+}
+
+/// Two figures, with as many digits as tell them apart.
+fn figures(both: [f64; 2]) -> [String; 2] {
+    apart(|digits| both.map(|figure| format!("{figure:.digits$}")))
+}
+
+/// Both texts with the fewest digits that tell them apart, from two on.
+fn apart(said: impl Fn(usize) -> [String; 2]) -> [String; 2] {
+    (2..8).map(&said).find(|[a, b]| a != b).unwrap_or_else(|| said(8))
 }
 
 /// What a rule compares, in plain words.

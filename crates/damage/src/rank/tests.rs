@@ -321,8 +321,21 @@ fn the_term_that_separates_first_from_second_is_named() {
     let sentence = why.sentence("swerve", "brake");
     assert_eq!(
         sentence,
-        "swerve before brake: weighted sum 0.15000 against 0.21000, mostly from greatest risk"
+        "swerve before brake: weighted sum 0.15 against 0.21, mostly from greatest risk"
     );
+}
+
+#[test]
+fn a_reason_is_in_percent_with_as_many_digits_as_tell_both_apart() {
+    let said = |first: f64, second: f64| {
+        let (policy, figures) = (Policy::shipped().expect("sound"), [first, second]);
+        let ranking = ranked(&policy, &figures.map(|risk| settled(&[risk])));
+        ranking.places[0].why.as_ref().expect("there is a next").sentence("a", "b")
+    };
+    assert_eq!(said(0.0051, 0.01273), "a before b: mean risk 0.51 % against 1.27 %");
+    assert_eq!(said(0.05123, 0.05124), "a before b: mean risk 5.123 % against 5.124 %");
+    assert_eq!(said(1e-9, 0.0018), "a before b: mean risk < 0.01 % against 0.18 %");
+    assert_eq!(said(0.0, 1.0), "a before b: mean risk 0 % against 100.00 %");
 }
 
 #[test]

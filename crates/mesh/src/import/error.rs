@@ -237,7 +237,7 @@ impl Diagnostic for ImportError {
                 "state the unit (--unit mm, cm, inch, ...), or move the body \
                                      to the origin"
             }
-            MeshDefect::Index { .. } => "correct the face, or export the mesh again",
+            MeshDefect::Index { .. } => "correct this number, or export the mesh again",
             MeshDefect::Empty(_) => "export the surface as triangles or polygons",
             MeshDefect::TooMany { .. } => "reduce the mesh, or import parts of it with --only",
             MeshDefect::SideFile { .. } => {

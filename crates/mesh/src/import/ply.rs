@@ -117,6 +117,10 @@ fn refuse(fault: &ParseError, left_out: usize, into: &Collector<'_>) -> ImportEr
         Some((head, rest)) if head.starts_with("Line ") => rest.to_owned(),
         _ => text,
     };
+    // A sentence of its own there, a part of one here.
+    let mut rest = text.trim_end_matches('.').chars();
+    let first = rest.next().map_or(String::new(), |c| c.to_lowercase().collect());
+    let text = first + rest.as_str();
     if fault.kind() == std::io::ErrorKind::UnexpectedEof {
         into.fail(place, MeshDefect::Truncated(text))
     } else {

@@ -8,9 +8,12 @@ use std::fmt::Write as _;
 const WIDTH: f64 = 760.0;
 /// Space for names at the left.
 const LEFT: f64 = 190.0;
-/// Colours that differ in grey, too (Okabe and Ito, Color Universal Design, 2008).
+/// Colours that differ in grey, too (Okabe and Ito, Color Universal Design, 2008). The blue of the
+/// ego is none, and a brown is there for the yellow, which cannot be seen on paper.
 const COLOURS: [&str; OWN_COLOURS] =
-    ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"];
+    ["#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#7a4f1d", "#8e8cd8"];
+/// Bars of times.
+const BARS: [&str; 2] = ["#0072b2", "#56b4e9"];
 /// How many parties have a colour of their own.
 pub(crate) const OWN_COLOURS: usize = 7;
 /// The colour of all other parties.
@@ -148,7 +151,7 @@ pub(crate) fn stages(stages: &[(String, f64)]) -> String {
             inside,
             "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"14\" fill=\"{}\"/>",
             y + 4.0,
-            COLOURS[0]
+            BARS[0]
         );
         inside += &label(x + width + 5.0, y + 15.0, "start", &format!("{ms:.2} ms"));
         at += ms;
@@ -172,7 +175,7 @@ pub(crate) fn workers(workers: &[Worker]) -> String {
                 LEFT + span.from_ms * scale,
                 y + 3.0,
                 ((span.to_ms - span.from_ms) * scale).max(0.3),
-                COLOURS[if number % 2 == 0 { 0 } else { 4 }],
+                BARS[number % 2],
             );
         }
     }

@@ -2,7 +2,7 @@
 
 use super::head::happens;
 use super::{PlanPage, bdi, drawing, name, severity, share};
-use crate::html::percent;
+use crate::html::span;
 use crate::pack::base64;
 use crate::shot::Shot;
 use crate::still::{self, Camera};
@@ -129,15 +129,31 @@ fn still(page: &PlanPage<'_>, shot: &Shot) -> Option<String> {
 fn all_contacts(row: &CourseRow, body: &mut String) {
     let (harmed, unharmed): (Vec<_>, Vec<_>) =
         row.persons.iter().partition(|one| one.work.hi() > 0.0 || one.range.high() > 0.0);
-    let said = harmed.iter().map(|one| {
-        let (work, range) = (one.work, one.range);
-        let risk = share(work.lo(), work.hi());
-        let range = format!("{}–{}", percent(range.low()), percent(range.high()));
-        format!("{}: {risk} % ({range} %)", who(&one.party, one.seat))
-    });
-    let mut said: Vec<String> = said.collect();
-    said.extend(nobody_else(unharmed.len(), said.is_empty()));
-    let _w = write!(body, "<p>All contacts together: {}.</p>", said.join("; "));
+    body.push_str("<div class=\"together\"><p><b>All contacts together</b></p>");
+    for one in &harmed {
+        let [work, range] = [[one.work.lo(), one.work.hi()], [one.range.low(), one.range.high()]];
+        risk(who(&one.party, one.seat), work, range, "", body);
+    }
+    others(unharmed.len(), harmed.is_empty(), body);
+    body.push_str("</div>");
+}
+
+/// A person's risk, and what the model does not know of it.
+fn risk(who: String, work: [f64; 2], range: [f64; 2], remark: &str, body: &mut String) {
+    let _w = write!(
+        body,
+        "<p>{who}: {} % risk, model range {} %{remark}.</p>",
+        share(work[0], work[1]),
+        span(range[0], range[1])
+    );
+}
+
+/// The line about persons without any risk.
+fn others(count: usize, is_all: bool, body: &mut String) {
+    if let Some(line) = nobody_else(count, is_all) {
+        let (first, rest) = line.split_at(1);
+        let _w = write!(body, "<p>{}{rest}.</p>", first.to_uppercase());
+    }
 }
 
 /// The line that stands for persons without any risk.
@@ -150,10 +166,16 @@ fn nobody_else(count: usize, is_all: bool) -> Option<String> {
         (count, false) => Some(format!("{count} more persons are at no risk")),
     }
 }
+
 /// "bus, rear left", "pedestrian".
 fn who(party: &str, seat: Option<&str>) -> String {
     let seat = seat.map(|seat| format!(", {}", seat.replace('-', " ")));
     format!("{}{}", bdi(party), seat.unwrap_or_default())
+}
+
+/// Which sides meet, without signs: "front against rear", "left along wall".
+pub(crate) fn in_words(sides: &str) -> String {
+    sides.replace('↔', "against").replace('∥', "along")
 }
 
 fn contact(contact: &ContactRow, still: Option<&str>, body: &mut String) {
@@ -165,7 +187,7 @@ fn contact(contact: &ContactRow, still: Option<&str>, body: &mut String) {
         bdi(&contact.party),
         severity(contact.severity),
         if contact.is_certain { "" } else { ", possible" },
-        name(&contact.sides)
+        name(&in_words(&contact.sides))
     );
     if contact.unevaluable.is_some() {
         body.push_str("<p>It cannot be evaluated: what comes of it is not known.</p>");
@@ -173,7 +195,11 @@ fn contact(contact: &ContactRow, still: Option<&str>, body: &mut String) {
     let delta = |side: usize| {
         let delta = &contact.delta_v_m_s[side];
         let (low, high) = (delta.range.low(), delta.range.high());
-        format!("{:.1} m/s ({low:.1}–{high:.1})", delta.work.hi())
+        match high {
+            0.0 => "none".to_owned(),
+            high if high < 0.05 => "below 0.05 m/s".to_owned(),
+            high => format!("{:.1} m/s ({low:.1}–{high:.1})", delta.work.hi()),
+        }
     };
     let other = if contact.is_other_fixed { "fixed".to_owned() } else { delta(1) };
     let _w = write!(
@@ -185,20 +211,13 @@ fn contact(contact: &ContactRow, still: Option<&str>, body: &mut String) {
     let is_harmed = |one: &&PersonRow| one.work.hi() > 0.0 || one.range.high() > 0.0;
     let (harmed, unharmed): (Vec<_>, Vec<_>) = contact.persons.iter().partition(is_harmed);
     for person in &harmed {
-        let _w = write!(
-            body,
-            "<p>{}: {} % risk, model range {}–{} %{}.</p>",
-            who(&person.party, person.seat),
-            share(person.work.lo(), person.work.hi()),
-            percent(person.range.low()),
-            percent(person.range.high()),
-            if person.extrapolated { ", beyond the speeds of the curve's sample" } else { "" }
-        );
+        let beyond =
+            if person.extrapolated { ", beyond the speeds of the curve's sample" } else { "" };
+        let work = [person.work.lo(), person.work.hi()];
+        let range = [person.range.low(), person.range.high()];
+        risk(who(&person.party, person.seat), work, range, beyond, body);
     }
-    if let Some(line) = nobody_else(unharmed.len(), harmed.is_empty()) {
-        let (first, rest) = line.split_at(1);
-        let _w = write!(body, "<p>{}{rest}.</p>", first.to_uppercase());
-    }
+    others(unharmed.len(), harmed.is_empty(), body);
     let parts = |side: usize| match contact.parts[side].as_slice() {
         [] => "–".to_owned(),
         parts => name(&parts.join(", ")),

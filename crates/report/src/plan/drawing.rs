@@ -56,18 +56,31 @@ impl PlanWindow {
         for course in scene.members.iter().flat_map(|member| &member.courses) {
             course.ego.iter().for_each(|point| hold([point.0[1], point.0[2]], 1.0));
         }
+        for course in &scene.courses {
+            // Whom it comes nearest to is in the picture, and as much of both as is wide.
+            let Some(nearest) = &course.nearest else { continue };
+            for number in [scene.ego, nearest.party] {
+                let pose = pose_at(followed(scene, course, number), nearest.time_s);
+                outline_at(&scene.parties[number].outline_m, &pose).for_each(|at| hold(at, 1.0));
+            }
+        }
         let (near, far) = (low, high);
         for (number, party) in scene.parties.iter().enumerate() {
             let Some(sample) = party.paths.first().and_then(|path| path.track.first()) else {
                 continue;
             };
             let at = [sample.0[1], sample.0[2]];
-            let is_met = scene.courses.iter().flat_map(|course| &course.contacts);
-            let reach =
-                if is_met.clone().any(|contact| contact.party == number) { FAR_M } else { 3.0 };
+            let mut met = scene.courses.iter().flat_map(|course| &course.contacts);
+            // Where it is not known what happens, anybody may be met.
+            let is_open = scene.courses.iter().any(|course| course.open_from_s.is_some());
+            let is_met = is_open || met.any(|contact| contact.party == number);
+            let reach = if is_met { FAR_M } else { 3.0 };
             if (0..2).all(|k| at[k] > near[k] - reach && at[k] < far[k] + reach) {
-                low = [low[0].min(at[0] - 4.0), low[1].min(at[1] - 4.0)];
-                high = [high[0].max(at[0] + 4.0), high[1].max(at[1] + 4.0)];
+                // As a whole, and its name beside it.
+                for [x, y] in outline_at(&party.outline_m, &sample.0) {
+                    low = [low[0].min(x - 2.0), low[1].min(y - 2.0)];
+                    high = [high[0].max(x + 2.0), high[1].max(y + 2.0)];
+                }
             }
         }
         if !(low[0] < high[0] && low[1] < high[1]) {
@@ -367,12 +380,22 @@ fn said(scene: &PlanScene, window: &PlanWindow, k: usize, room: &mut TakenRoom, 
         );
     }
     if let Some(nearest) = &course.nearest {
-        let both = [scene.ego, nearest.party].map(|number| {
+        let both: [Vec<[f64; 2]>; 2] = [scene.ego, nearest.party].map(|number| {
             let pose = pose_at(followed(scene, course, number), nearest.time_s);
-            outline(window, &scene.parties[number].outline_m, &pose, out);
-            window.at([pose[1], pose[2]])
+            let of = &scene.parties[number].outline_m;
+            let corners = outline_at(of, &pose).map(|at| window.at(at)).collect::<Vec<_>>();
+            outline(&corners, out);
+            room.take_line(&corners);
+            corners
         });
-        let at = [0, 1].map(|axis| 0.5 * (both[0][axis] + both[1][axis]));
+        let [from, to] = gap(&both[0], &both[1]);
+        let _w = write!(
+            out,
+            "<line class=\"gap\" x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"/>",
+            from[0], from[1], to[0], to[1]
+        );
+        room.take_line(&[from, to]);
+        let at = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
         let text = format!("{:.2} s, {:.2} m to", nearest.time_s, nearest.gap_m);
         let who = &scene.parties[nearest.party].name;
         if window.holds(at) {
@@ -415,14 +438,41 @@ fn label(
     );
 }
 
-/// A dashed outline of a body at a pose.
-fn outline(window: &PlanWindow, outline_m: &[[f64; 2]], pose: &[f64; 5], out: &mut String) {
+/// The corners of a body at a pose (m).
+fn outline_at<'o>(
+    outline_m: &'o [[f64; 2]],
+    pose: &[f64; 5],
+) -> impl Iterator<Item = [f64; 2]> + use<'o> {
     let [_, x, y, cos, sin] = *pose;
-    let corner = |[u, v]: &[f64; 2]| {
-        let [p, q] = window.at([x + cos * u - sin * v, y + sin * u + cos * v]);
-        format!("{p:.1},{q:.1}")
+    outline_m.iter().map(move |[u, v]| [x + cos * u - sin * v, y + sin * u + cos * v])
+}
+
+/// Two points, one of each outline, that are as near as both outlines come.
+pub(super) fn gap(a: &[[f64; 2]], b: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let nearest_of = |corners: &[[f64; 2]], others: &[[f64; 2]]| {
+        let sides = others.iter().zip(others.iter().cycle().skip(1));
+        let pairs = corners.iter().flat_map(|corner| {
+            sides.clone().map(move |(from, to)| {
+                let side = [to[0] - from[0], to[1] - from[1]];
+                let length = side[0] * side[0] + side[1] * side[1];
+                let along = (corner[0] - from[0]) * side[0] + (corner[1] - from[1]) * side[1];
+                let share = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
+                let foot = [from[0] + share * side[0], from[1] + share * side[1]];
+                (f64::hypot(foot[0] - corner[0], foot[1] - corner[1]), *corner, foot)
+            })
+        });
+        pairs.min_by(|one, other| one.0.total_cmp(&other.0))
     };
-    let points: Vec<String> = outline_m.iter().map(corner).collect();
+    match (nearest_of(a, b), nearest_of(b, a)) {
+        (Some(one), Some(other)) if other.0 < one.0 => [other.2, other.1],
+        (Some(one), _) => [one.1, one.2],
+        _ => [[0.0; 2]; 2],
+    }
+}
+
+/// A dashed outline.
+fn outline(corners: &[[f64; 2]], out: &mut String) {
+    let points: Vec<String> = corners.iter().map(|[p, q]| format!("{p:.1},{q:.1}")).collect();
     let _w = write!(out, "<polygon class=\"then\" points=\"{}\"/>", points.join(" "));
 }
 
@@ -435,10 +485,13 @@ fn scale_bar(window: &PlanWindow, out: &mut String) {
     let right = left + size_m * window.per_m;
     let _w = write!(
         out,
-        "<path class=\"scale\" d=\"M{left} {0:.1}v8H{right:.1}v-8\"/><text x=\"{1:.1}\" \
+        "<rect class=\"plate\" x=\"0\" y=\"{3:.1}\" width=\"{4:.1}\" height=\"38\"/><path \
+         class=\"scale\" d=\"M{left} {0:.1}v8H{right:.1}v-8\"/><text x=\"{1:.1}\" \
          y=\"{2:.1}\">{size_m} m</text>",
         base - 8.0,
         right + 8.0,
-        base + 3.0
+        base + 3.0,
+        window.height - 38.0,
+        right + 84.0
     );
 }

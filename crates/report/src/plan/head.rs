@@ -17,6 +17,10 @@ const LINE_MAX: usize = 160;
 /// often have another one first.
 pub(super) fn is_least_harm(answer: &Answer) -> bool {
     let Some(first) = answer.best() else { return false };
+    // One alone is compared with nobody.
+    if answer.ranking.len() == 1 {
+        return false;
+    }
     let is_done = matches!(answer.state, AnswerState::Complete | AnswerState::Certified);
     let is_alone = answer.tie_class.iter().all(|tied| *tied == first.name);
     is_done && is_alone && !is_close(answer) && won(answer).is_none_or(|won| won >= WORLDS_SURE)
@@ -32,6 +36,16 @@ fn won(answer: &Answer) -> Option<f64> {
     answer.ranking.first().and_then(|row| row.expected.as_ref()?.worlds)
 }
 
+/// Whether nobody looked at any of them.
+fn is_all_open(rows: &[(usize, &CourseRow)]) -> bool {
+    rows.iter().all(|(_, row)| row.open_from_s == Some(0.0))
+}
+
+/// Whether two do the same harm, and may do the same.
+fn is_equal(row: &CourseRow, other: &CourseRow) -> bool {
+    row.work == other.work && row.range == other.range
+}
+
 /// What the answer says of the candidate that the page opens on.
 pub(super) fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
     let Some((_, first)) = rows.first() else { return "Nothing to rank".to_owned() };
@@ -43,10 +57,18 @@ pub(super) fn title(rows: &[(usize, &CourseRow)], answer: &Answer) -> String {
         return format!("Touches nobody: {first_name}");
     }
     let tied = answer.tie_class.iter().filter(|tied| *tied != first_name).count();
+    let equal = rows.iter().filter(|(_, row)| is_equal(row, first)).count();
     match answer.state {
         AnswerState::Refused => "Not known which way is best".to_owned(),
+        AnswerState::Degraded if is_all_open(rows) => {
+            format!("Nothing is known in time; first as asked: {first_name}")
+        }
         AnswerState::Degraded => format!("First, as far as is known: {first_name}"),
+        _ if rows.len() == 1 => format!("The only way: {first_name}"),
         _ if is_least_harm(answer) => format!("Least harm: {first_name}"),
+        _ if tied > 0 && equal == tied + 1 => {
+            format!("First of {equal} that do the same harm: {first_name}")
+        }
         _ if tied > 0 => {
             format!("First of {} whose ranges overlap: {first_name}", tied + 1)
         }
@@ -75,13 +97,17 @@ pub(super) fn head(
         bdi(scenario.trim_end_matches('.')),
         if count == 1 { " is" } else { "s are" },
         match free {
+            0 if is_all_open(rows) => "of none it is known what happens".to_owned(),
             0 if rows.iter().any(|(_, row)| row.is_stated_alone) => {
                 "known is the scene as stated alone".to_owned()
             }
             0 if rows.iter().any(|(_, row)| row.hits_nobody()) => {
                 "none is free of contact from the start on".to_owned()
             }
+            0 if count == 1 => "it hits somebody, as far as is known".to_owned(),
             0 => "each hits somebody, as far as is known".to_owned(),
+            1 if count == 1 => "it touches nobody".to_owned(),
+            free if free == count => "none touches anybody".to_owned(),
             1 => "1 touches nobody".to_owned(),
             free => format!("{free} touch nobody"),
         },
@@ -109,15 +135,21 @@ pub(super) fn head(
     let ties: Vec<String> =
         answer.tie_class.iter().filter(|one| !is_first(one)).map(|one| bdi(one)).collect();
     if !ties.is_empty() {
-        let said = format!(
-            "With each one's doubts at their ends these could be as good: {}.",
-            ties.join(", ")
-        );
+        let tied = answer.ranking.iter().filter(|row| answer.tie_class.contains(&row.name));
+        let is_same = |row: &CourseRow| first.is_some_and(|first| is_equal(row, first));
+        let begins = if tied.clone().all(|row| row.range.high() == 0.0) {
+            "These do no harm either"
+        } else if tied.clone().all(is_same) {
+            "As far as is known these are the same"
+        } else {
+            "With each one's doubts at their ends these could be as good"
+        };
+        let said = format!("{begins}: {}.", ties.join("; "));
         sure.push_str(&folded(&said, ties.len(), "whose ranges overlap with its own"));
     }
     let won = first.and_then(|row| row.expected.as_ref()?.worlds);
-    // Who touches nobody in any member does no harm in any world.
-    let is_free = first.is_some_and(CourseRow::touches_nobody);
+    // Who touches nobody in any member does no harm in any world, and one alone always wins.
+    let is_free = first.is_some_and(CourseRow::touches_nobody) || rows.len() == 1;
     if let (Some(won), Some(worlds), false) = (won, &answer.worlds, is_free) {
         let _w = write!(
             sure,
@@ -134,8 +166,8 @@ pub(super) fn head(
         } else {
             let _w = write!(
                 sure,
-                " In the mean over members the second is {mean} % worse, give or take {error} %: \
-                 {chance}."
+                " In the mean over members the second has {mean} ± {error} percentage points more \
+                 harm: {chance}."
             );
         }
     }
@@ -157,7 +189,7 @@ pub(super) fn head(
     body.push_str("</dl>");
     let implausible =
         answer.implausible.iter().map(|one| format!("Implausible: {}", one.sentence()));
-    let missing = answer.missing.iter().map(|text| format!("Not fully known: {text}."));
+    let missing = missing(&answer.missing, count);
     let notes = answer.notes.iter().filter(|note| !note.is_refusal());
     let notes = notes.map(|note| format!("Note: {}.", note.sentence()));
     for remark in implausible.chain(missing).chain(notes) {
@@ -165,6 +197,25 @@ pub(super) fn head(
     }
     assumed(&answer.assumptions, body);
     body.push_str("</header>");
+}
+
+/// What is not known; what is the same of several ways is said once.
+fn missing(texts: &[String], ways: usize) -> Vec<String> {
+    let mut said: Vec<(Vec<&str>, &str)> = Vec::new();
+    for text in texts {
+        let (way, what) = text.split_once(": ").unwrap_or(("", text));
+        match said.iter_mut().find(|(names, of)| *of == what && !names.contains(&"")) {
+            Some((names, _)) if !way.is_empty() => names.push(way),
+            _ => said.push((vec![way], what)),
+        }
+    }
+    let sentence = |(names, what): (Vec<&str>, &str)| match names.as_slice() {
+        [""] => format!("Not fully known: {what}."),
+        [way] => format!("Not fully known: {way}: {what}."),
+        names if names.len() == ways => format!("Not fully known of any way: {what}."),
+        names => format!("Not fully known of {}: {what}.", names.join("; ")),
+    };
+    said.into_iter().map(sentence).collect()
 }
 
 /// What was assumed: in a line if it fits one, else folded, under how it begins.
@@ -197,7 +248,18 @@ fn beginning(text: &str) -> &str {
 pub(super) fn happens(row: &CourseRow) -> String {
     let mut text = match (row.contacts.as_slice(), row.open_from_s) {
         ([], None) if row.is_stated_alone || (row.expected.is_some() && !row.touches_nobody()) => {
-            "In the scene as stated it touches nobody.".to_owned()
+            let met = row.expected.iter().flat_map(|of| &of.meets);
+            let met: Vec<String> = met
+                .map(|met| format!("{} in {:.0} %", bdi(&met.party), 100.0 * met.probability))
+                .collect();
+            if met.is_empty() {
+                "In the scene as stated it touches nobody.".to_owned()
+            } else {
+                format!(
+                    "In the scene as stated it touches nobody. Over the members it meets {}.",
+                    met.join(", ")
+                )
+            }
         }
         ([], None) if !row.touches_nobody() => {
             "It hits nobody, but is or may be in contact at the start: see its notes.".to_owned()

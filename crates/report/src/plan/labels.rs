@@ -123,6 +123,17 @@ impl TakenRoom {
         }
     }
 
+    /// Takes squares along a closed line.
+    pub(super) fn take_line(&mut self, corners: &[[f64; 2]]) {
+        for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let count = (f64::hypot(to[0] - from[0], to[1] - from[1]) / 4.0).ceil().max(1.0);
+            for k in 0..count as usize {
+                let share = k as f64 / count;
+                self.take([0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis])), 3.0);
+            }
+        }
+    }
+
     /// Takes the place of the bar that says how long a metre is.
     pub(super) fn take_scale(&mut self, window: &PlanWindow) {
         let top = window.height - 14.0 - LINE;

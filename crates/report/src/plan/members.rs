@@ -55,15 +55,20 @@ pub(super) fn members(answer: &Answer, rows: &[(usize, &CourseRow)], body: &mut 
     let top = harms.fold(0.0, f64::max);
     let colours = Colours::of(rows);
     let is_harmless = |of: &ExpectedRow| of.members.iter().all(|member| member.harm == 0.0);
-    let _w = write!(
-        body,
-        "<section><h2>Member by member</h2><p class=\"key\">Harm in each of {} members, draws of \
-         where everybody may really be and go, ascending, on a scale of square roots that all \
-         candidates share, in the colour of who is met first. The line is the mean. Pictures and \
-         contacts are of the scene as stated.</p>{}",
-        members.count,
-        legend(&colours)
-    );
+    body.push_str("<section><h2>Member by member</h2>");
+    // Nothing to explain where there is no strip.
+    if !known.iter().all(|(_, of)| is_harmless(of)) {
+        let _w = write!(
+            body,
+            "<p class=\"key\">Harm in each of {} members, draws of where everybody may really be \
+             and go, ascending, on a scale of square roots that all candidates share, in the \
+             colour of who is met first. The line is the mean; regret: how much more harm than \
+             the best one does, in the mean. Pictures and contacts are of the scene as stated.</p>\
+             {}",
+            members.count,
+            legend(&colours)
+        );
+    }
     for (row, of) in known.iter().filter(|(_, of)| !is_harmless(of)) {
         strip(row, of, &colours, top, body);
     }

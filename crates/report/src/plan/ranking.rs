@@ -3,7 +3,7 @@
 use super::course::is_nothing;
 use super::members::{self, Colours};
 use super::{bdi, name, severity};
-use crate::html::{chart, percent};
+use crate::html::{chart, span};
 use std::fmt::Write as _;
 use trolley::{CourseRow, ExpectedRow, MetRow};
 
@@ -57,10 +57,10 @@ fn fold(folded: &[(usize, &CourseRow)], body: &mut String) {
     let names: Vec<String> = folded.iter().map(|(_, row)| bdi(&row.name)).collect();
     let _w = write!(
         body,
-        "<tr class=\"fold\"><td>{said}</td><td colspan=\"5\">{} more touch{} nobody, and harm \
-         nobody within the range: {}</td></tr>",
+        "<tr class=\"fold\"><td>{said}</td><td colspan=\"5\">{} more {} nobody within \
+         the range: {}</td></tr>",
         folded.len(),
-        if folded.len() == 1 { "es" } else { "" },
+        if folded.len() == 1 { "touches nobody, and harms" } else { "touch nobody, and harm" },
         names.join("; ")
     );
 }
@@ -89,15 +89,14 @@ fn line(place: usize, row: &CourseRow, colours: &Colours<'_>, top: f64, body: &m
     let _w = write!(
         body,
         "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td>\
-         <td class=\"n\">{}–{}<br>{}</td><td>{}</td></tr>",
+         <td class=\"n\">{}<br>{}</td><td>{}</td></tr>",
         place + 1,
         bdi(&row.name),
         of_members.unwrap_or_else(|| meets.join("<br>")),
         members::harm(row),
-        percent(row.range.low()),
-        percent(row.range.high()),
+        span(row.range.low(), row.range.high()),
         chart::whisker([row.work.lo(), row.work.hi()], [row.range.low(), row.range.high()], top),
-        row.why.as_ref().map_or("–".to_owned(), |why| name(why)),
+        row.why.as_ref().map_or(String::new(), |why| name(why)),
     );
 }
 
@@ -106,7 +105,11 @@ fn meets_in_members(expected: &ExpectedRow, colours: &Colours<'_>) -> String {
     let met = |met: &MetRow| {
         let share = 100.0 * met.probability;
         let swatch = chart::swatch(colours.of_party(&met.party));
-        format!("{swatch} {} {share:.0}\u{a0}%, from {:.2}\u{a0}s", bdi(&met.party), met.from_s)
+        format!(
+            "{swatch} {} {share:.0}\u{a0}%, from\u{a0}{:.2}\u{a0}s",
+            bdi(&met.party),
+            met.from_s
+        )
     };
     let mut lines: Vec<String> = expected.meets.iter().map(met).collect();
     if expected.open > 0 {

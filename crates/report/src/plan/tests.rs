@@ -51,8 +51,9 @@ fn ranked_of(scenario: &Scenario) -> (Answer, Run, PlanScene) {
     (ranking.answer, ranking.run, scene)
 }
 
+/// The page, in which a number may be parted from its unit.
 fn made(answer: &Answer, run: &Run, scene: &PlanScene) -> String {
-    page(&PlanPage {
+    let page = page(&PlanPage {
         scenario: "A \"test\" <script>alert(1)</script>",
         answer,
         work: &WorkDone::of_run(run),
@@ -60,7 +61,8 @@ fn made(answer: &Answer, run: &Run, scene: &PlanScene) -> String {
         bodies: &[],
         shots: &[],
         explanation: Some("1 < 2 & so on"),
-    })
+    });
+    page.replace('\u{a0}', " ")
 }
 
 /// A body of as many triangles as those of the scene, each a metre wide.
@@ -115,7 +117,15 @@ fn the_answer_stands_first_and_who_touches_nobody_before_all_others() {
     }
     answer.ranking.retain(|row| !row.touches_nobody());
     answer.tie_class = vec!["go on".to_owned()];
+    let page = made(&answer, &run, &scene);
+    assert!(page.contains("<title>The only way: go on</title>") && !page.contains("It wins in"));
+    assert!(page.contains("1 way is left; it hits somebody, as far as is known."));
+    answer.ranking.push(CourseRow { name: "faster".to_owned(), ..answer.ranking[0].clone() });
     assert!(made(&answer, &run, &scene).contains("<title>Least harm: go on</title>"));
+    answer.tie_class.push("faster".to_owned());
+    let page = made(&answer, &run, &scene);
+    assert!(page.contains("<title>First of 2 that do the same harm: go on</title>"));
+    assert!(page.contains("As far as is known these are the same: <bdi>faster</bdi>."));
     answer.ranking.clear();
     assert!(made(&answer, &run, &scene).contains("<title>Nothing to rank</title>"));
 }
@@ -293,6 +303,7 @@ fn says_least_harm(page: &str) -> bool {
 fn least_harm_is_said_only_where_that_is_so() {
     let (mut answer, run, scene) = ranked_in_members();
     answer.ranking.retain(|row| !row.touches_nobody());
+    answer.ranking.push(CourseRow { name: "faster".to_owned(), ..answer.ranking[0].clone() });
     answer.tie_class = vec!["go on".to_owned()];
     answer.state = AnswerState::Complete;
     let mut lead = answer.members.expect("members").lead.unwrap_or_default();
@@ -302,7 +313,8 @@ fn least_harm_is_said_only_where_that_is_so() {
     assert!(says_least_harm(&made(&answer, &run, &scene)));
     assert!(verdict(&answer).1);
     // Each of these alone takes the words away.
-    let changes: [(&str, ChangeOfAnswer); 6] = [
+    let changes: [(&str, ChangeOfAnswer); 7] = [
+        ("alone", |answer| answer.ranking.truncate(1)),
         ("tied", |answer| answer.tie_class.push("another".to_owned())),
         ("degraded", |answer| answer.state = AnswerState::Degraded),
         ("refused", |answer| answer.state = AnswerState::Refused),
@@ -321,6 +333,91 @@ fn least_harm_is_said_only_where_that_is_so() {
         let page = made(&changed, &run, &scene);
         assert!(!says_least_harm(&page), "{what}: {}", head::title(&rows(&changed), &changed));
         assert!(!verdict(&changed).1, "{what}");
+    }
+}
+
+#[test]
+fn where_nothing_is_known_that_is_said_once_and_everybody_is_drawn() {
+    let (mut answer, run, mut scene) = ranked();
+    answer.state = AnswerState::Degraded;
+    answer.missing.clear();
+    for row in &mut answer.ranking {
+        row.contacts.clear();
+        row.open_from_s = Some(0.0);
+        answer.missing.push(format!("{}: whom it meets after 0.000 s", row.name));
+    }
+    for course in &mut scene.courses {
+        course.ego.truncate(1);
+        course.contacts.clear();
+        course.nearest = None;
+        course.open_from_s = Some(0.0);
+    }
+    let page = made(&answer, &run, &scene);
+    assert!(page.contains("<h1><bdi>Nothing is known in time; first as asked: "));
+    assert!(page.contains("2 ways are left; of none it is known what happens."));
+    assert_eq!(page.matches("Not fully known").count(), 1);
+    assert!(page.contains("Not fully known of any way: whom it meets after 0.000 s."));
+    let window = PlanWindow::of(&scene);
+    for (name, x) in [("walker", 20.0), ("suv", 32.0)] {
+        assert!(window.shows([x, 0.0]), "{name}: {window:?}");
+    }
+}
+
+#[test]
+fn where_nobody_is_touched_nothing_else_is_said() {
+    let (mut answer, run, scene) = ranked_in_members();
+    answer.ranking.retain(CourseRow::touches_nobody);
+    answer.ranking.push(CourseRow { name: "stay".to_owned(), ..answer.ranking[0].clone() });
+    answer.tie_class = vec!["creep".to_owned(), "stay".to_owned()];
+    let page = made(&answer, &run, &scene);
+    assert!(page.contains("2 ways are left; none touches anybody."));
+    assert!(page.contains("These do no harm either: <bdi>stay</bdi>."));
+    assert!(page.contains("1 more touches nobody, and harms nobody within the range"));
+    let (_, members) = page.split_once("<h2>Member by member</h2>").expect("members");
+    assert!(members.starts_with("<p>No harm in any member: "), "{}", &members[..200]);
+    assert!(!page.contains("0–0"));
+}
+
+#[test]
+fn who_is_touched_in_some_member_alone_is_named() {
+    let (mut answer, run, scene) = ranked_in_members();
+    let row = answer.ranking.iter_mut().find(|row| !row.touches_nobody()).expect("go on");
+    row.contacts.clear();
+    let page = made(&answer, &run, &scene);
+    let said = "In the scene as stated it touches nobody. Over the members it meets ";
+    assert!(page.contains(said) && page.contains("<bdi>walker</bdi> in "));
+}
+
+#[test]
+fn the_gap_is_the_shortest_line_between_two_outlines() {
+    let mut rng = Rng::new(9);
+    let mut square = |by: f64| {
+        let (x, y, turn) =
+            (by + rng.between(-5.0, 5.0), rng.between(-9.0, 9.0), rng.between(0.0, 3.0));
+        let (sin, cos) = libm::sincos(turn);
+        [[2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0], [2.0, -1.0]]
+            .map(|[u, v]: [f64; 2]| [x + cos * u - sin * v, y + sin * u + cos * v])
+    };
+    let edge = |corners: &[[f64; 2]; 4]| -> Vec<[f64; 2]> {
+        let side = |k: usize| {
+            let [from, to] = [corners[k], corners[(k + 1) % 4]];
+            (0..50).map(move |step| {
+                let share = f64::from(step) / 50.0;
+                [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+            })
+        };
+        (0..4).flat_map(side).collect()
+    };
+    let apart = |[a, b]: [[f64; 2]; 2]| f64::hypot(a[0] - b[0], a[1] - b[1]);
+    for _ in 0..50 {
+        let (one, other) = (square(-9.0), square(9.0));
+        let [from, to] = drawing::gap(&one, &other);
+        let (ours, theirs) = (edge(&one), edge(&other));
+        let pairs = ours.iter().flat_map(|a| theirs.iter().map(move |b| apart([*a, *b])));
+        let least = pairs.fold(f64::INFINITY, f64::min);
+        assert!((apart([from, to]) - least).abs() < 0.05, "{from:?} {to:?} {least}");
+        assert!(ours.iter().any(|at| apart([*at, from]) < 0.1));
+        assert!(theirs.iter().any(|at| apart([*at, to]) < 0.1));
     }
 }
 

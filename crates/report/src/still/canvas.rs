@@ -2,8 +2,8 @@
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-/// Height of letters.
-const LETTERS: RasterHeight = RasterHeight::Size20;
+/// A picture this wide (pixels) is shown at half its size, and has larger letters.
+const LARGE: usize = 1000;
 /// What shows through around letters.
 const HALO: [f64; 3] = [255.0, 255.0, 255.0];
 /// Letters of a label, at most.
@@ -18,12 +18,21 @@ pub(super) struct Canvas {
     /// Whether a pixel shows what is looked at: labels lie beside it where they can.
     is_shown: Vec<bool>,
     taken: Vec<[f64; 4]>,
+    /// Those of `taken` that labels have, which no line to another label crosses.
+    labels: Vec<[f64; 4]>,
+    letters: RasterHeight,
 }
 
 impl Canvas {
     pub(super) fn new(size: [usize; 2], pixels: Vec<[f64; 3]>, is_shown: Vec<bool>) -> Self {
         debug_assert_eq!(pixels.len(), is_shown.len());
-        Self { size, pixels, is_shown, taken: Vec::new() }
+        let letters = if size[0] < LARGE { RasterHeight::Size20 } else { RasterHeight::Size32 };
+        Self { size, pixels, is_shown, taken: Vec::new(), labels: Vec::new(), letters }
+    }
+
+    /// How large marks are, beside those of a small picture.
+    pub(super) fn scale(&self) -> f64 {
+        self.letters.val() as f64 / RasterHeight::Size20.val() as f64
     }
 
     /// Three bytes a pixel.
@@ -42,8 +51,10 @@ impl Canvas {
 
     /// Keeps labels away from a line.
     pub(super) fn keep_clear(&mut self, [a, b, _]: [f64; 3], [c, d, _]: [f64; 3]) {
-        for step in 0..=16 {
-            let share = f64::from(step) / 16.0;
+        // So many that there are no gaps, and no more than a picture has pixels.
+        let steps = (f64::hypot(c - a, d - b) / 5.0).ceil().clamp(1.0, 20_000.0);
+        for step in 0..=steps as u32 {
+            let share = f64::from(step) / steps;
             let (x, y) = (a + share * (c - a), b + share * (d - b));
             self.taken.push([x - 5.0, y - 5.0, x + 5.0, y + 5.0]);
         }
@@ -104,8 +115,8 @@ impl Canvas {
         colour: [f64; 3],
     ) -> Option<[f64; 4]> {
         let letters: Vec<char> = cut(text);
-        let width = (letters.len() * get_raster_width(FontWeight::Regular, LETTERS)) as f64;
-        let height = LETTERS.val() as f64;
+        let width = (letters.len() * get_raster_width(FontWeight::Regular, self.letters)) as f64;
+        let height = self.letters.val() as f64;
         let step = 0.8 * height;
         // As far away as half the picture is long.
         let rings = 1 + (0.5 * self.size[0].max(self.size[1]) as f64 / step) as u32;
@@ -131,13 +142,42 @@ impl Canvas {
             };
             room[2] <= size[0] && room[3] <= size[1] && self.taken.iter().all(apart)
         };
+        // A line leads from the point to a label that is not beside it, and crosses no other one.
+        let lead = |room: &[f64; 4]| {
+            let end = [x.clamp(room[0], room[2]), y.clamp(room[1], room[3])];
+            let away = f64::hypot(end[0] - x, end[1] - y);
+            // It begins where the label would lie if there were room, and ends before its letters.
+            let [from, to] = [(by - 8.0) / away, (away - 3.0) / away];
+            (away > by + 1.5 * height).then(|| {
+                [from, to].map(|share| [x + share * (end[0] - x), y + share * (end[1] - y), 0.0])
+            })
+        };
+        let is_clear = |room: &[f64; 4]| {
+            lead(room).is_none_or(|[a, b]| {
+                let mut points = (0..=64).map(|step| {
+                    let share = f64::from(step) / 64.0;
+                    [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
+                });
+                points.all(|[p, q]| {
+                    // A line is two pixels wide.
+                    let holds = |label: &[f64; 4]| {
+                        label[0] - 3.0 <= p
+                            && p <= label[2] + 2.0
+                            && label[1] - 3.0 <= q
+                            && q <= label[3] + 2.0
+                    };
+                    !self.labels.iter().any(holds)
+                })
+            })
+        };
         // The first of those that are equally good is the nearest.
-        let room = tries.map(inside).filter(is_free).min_by_key(|room| self.shown(room))?;
+        let free = tries.map(inside).filter(is_free).filter(is_clear);
+        let room = free.min_by_key(|room| self.shown(room))?;
         self.taken.push(room);
-        let lead = [room[0].max(x.min(room[2])), if y < room[1] { room[1] } else { room[3] }];
-        let is_beside = y >= room[1] && y <= room[3];
-        if !is_beside && f64::hypot(lead[0] - x, lead[1] - y) > 2.0 * height {
-            self.line([x, y, 0.0], [lead[0], lead[1], 0.0], colour);
+        self.labels.push(room);
+        if let Some([from, to]) = lead(&room) {
+            self.line(from, to, colour);
+            self.keep_clear(from, to);
         }
         self.write(&letters, [room[0], room[1]], colour);
         Some(room)
@@ -146,7 +186,7 @@ impl Canvas {
     fn write(&mut self, letters: &[char], [left, top]: [f64; 2], colour: [f64; 3]) {
         let mut strokes: Vec<([i64; 2], f64)> = Vec::new();
         for (number, letter) in letters.iter().enumerate() {
-            let raster = |c: char| get_raster(c, FontWeight::Regular, LETTERS);
+            let raster = |c: char| get_raster(c, FontWeight::Regular, self.letters);
             let Some(raster) = raster(*letter).or_else(|| raster(UNKNOWN)) else { continue };
             let x = left as i64 + (number * raster.width()) as i64;
             for (j, row) in raster.rows().enumerate() {
@@ -206,6 +246,56 @@ mod tests {
         let mut points =
             steps(room[0], room[2]).flat_map(|x| steps(room[1], room[3]).map(move |y| [x, y]));
         assert!(!points.any(crosses), "{room:?}");
+    }
+
+    #[test]
+    fn a_line_to_a_label_crosses_no_other_label() {
+        // All of the picture but its upper edge is looked at, so labels gather there.
+        let (mut rng, mut count) = (Rng::new(7), 0);
+        for _ in 0..50 {
+            let mut canvas = canvas(|[_, y]| y > 60);
+            let mut rooms = Vec::new();
+            let mut colours = Vec::new();
+            for (number, text) in ["oncoming", "ego", "contact"].into_iter().enumerate() {
+                let at = [rng.between(100.0, 200.0), rng.between(110.0, 190.0)];
+                let colour = [10.0 + number as f64, 0.0, 0.0];
+                let Some(room) = canvas.label(at, 10.0, text, colour) else { continue };
+                rooms.push(room);
+                colours.push(colour);
+            }
+            for (number, room) in rooms.iter().enumerate() {
+                let of_others = colours.iter().enumerate().filter(|(k, _)| *k != number);
+                for (_, colour) in of_others {
+                    let inside = (0..300 * 200).filter(|at| {
+                        let [x, y] = [(at % 300) as f64, (at / 300) as f64];
+                        room[0] <= x && x < room[2] && room[1] <= y && y < room[3]
+                    });
+                    let strokes = inside.filter(|at| canvas.pixels[*at] == *colour).count();
+                    assert_eq!(strokes, 0, "{rooms:?}");
+                }
+            }
+            count += rooms.len();
+        }
+        assert!(count > 100, "{count}");
+    }
+
+    #[test]
+    fn no_label_lies_on_a_line_however_long_it_is() {
+        let mut canvas = canvas(|_| false);
+        let (from, to) = ([10.0, 190.0, 0.0], [290.0, 30.0, 0.0]);
+        canvas.line(from, to, [0.0; 3]);
+        canvas.keep_clear(from, to);
+        for k in 0..12 {
+            let x = 20.0 + 20.0 * f64::from(k);
+            let at = [x, 190.0 - (x - 10.0) * 160.0 / 280.0];
+            let Some(room) = canvas.label(at, 6.0, "2 m", [0.0; 3]) else { continue };
+            for step in 0..=300 {
+                let share = f64::from(step) / 300.0;
+                let [p, q] = [10.0 + 280.0 * share, 190.0 - 160.0 * share];
+                let is_on = room[0] < p && p < room[2] && room[1] < q && q < room[3];
+                assert!(!is_on, "{room:?} at {p}, {q}");
+            }
+        }
     }
 
     #[test]

@@ -130,5 +130,5 @@ pub(super) fn svg(plan: &Plan, title: &str, cells: &[Vec<u8>], [x, y]: [usize; 2
 /// A number in as few digits as it needs.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    text.trim_end_matches('0').trim_end_matches('.').replace('-', "−")
 }

@@ -19,7 +19,8 @@ const STYLE: &str = ".map text{font-size:11px} .maps{display:flex;flex-wrap:wrap
     .map{max-width:100%;height:auto} .key{margin:4px 0 12px} .legend i{display:inline-block;\
     width:.9em;height:.9em;margin:0 4px 0 12px;border:1px solid #888;vertical-align:-.1em} \
     td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} \
-    .heat td.n{min-width:4.4em}";
+    .heat td.n{min-width:4.4em} th.r{text-align:right} \
+    @media screen and (max-width:800px){table{font-size:.78rem} th,td{padding:3px 4px}}";
 
 /// The page.
 pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &Path) -> String {
@@ -83,7 +84,7 @@ fn other_curves(plan: &Plan, gathered: &Gathered) -> String {
          <table><tr><th>Curves</th>",
         escape(title(&first.name))
     );
-    text += &head(&file.policies.iter().map(|policy| title(&policy.name)).collect::<Vec<_>>());
+    text += &heads(&file.policies.iter().map(|policy| title(&policy.name)).collect::<Vec<_>>());
     text += "</tr>";
     for (number, curves) in (1..).zip(others) {
         let cells = principal(plan)
@@ -133,6 +134,28 @@ fn cell(text: &str) -> String {
 
 fn head(words: &[&str]) -> String {
     words.iter().map(|word| format!("<th>{}</th>", escape(word))).collect::<String>()
+}
+
+/// The heads of columns of numbers.
+fn heads(words: &[&str]) -> String {
+    words.iter().map(|word| format!("<th class=\"r\">{}</th>", escape(word))).collect::<String>()
+}
+
+/// A number of percentage points; what is no more than half of the last digit is not 0.
+fn points(value: f64, digits: usize) -> String {
+    let said = format!("{:.digits$}", value.abs());
+    let sign = if value < 0.0 { "−" } else { "" };
+    match said.parse::<f64>() {
+        _ if value == 0.0 => "0".to_owned(),
+        Ok(0.0) => format!("{} 0", if value < 0.0 { "&lt;" } else { "&gt;" }),
+        _ => format!("{sign}{said}"),
+    }
+}
+
+/// The value of a knob in words: "reaction later 1.2 s".
+fn in_words(knob: SweepKnob, value: f64) -> String {
+    let (what, unit) = knob.says().rsplit_once(", ").unwrap_or((knob.says(), ""));
+    format!("{what} {} {unit}", maps::number(value)).trim_end().to_owned()
 }
 
 fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
@@ -189,17 +212,16 @@ fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let mut text = "<h2>What each policy chooses, and how sure</h2><div class=\"wide\"><table>\
                     <tr>"
         .to_owned();
-    text += &head(&[
-        "Policy",
-        "touches nobody",
-        "model is sure",
-        "tied with others",
-        "mean harm of the winner",
-        "best in members",
-        "best in worlds",
-        "nobody wins",
-        "wins most often",
-    ]);
+    text += &head(&["Policy"]);
+    text +=
+        &heads(&["touches nobody", "model is sure", "tied with others", "mean harm of the winner"]);
+    // As stated nothing is drawn.
+    let is_drawn = main.iter().any(|judge| gathered.judged[*judge].best_share.1 > 0);
+    if is_drawn {
+        text += &heads(&["best in members", "best in worlds"]);
+    }
+    text += &heads(&["nobody wins"]);
+    text += &head(&["wins most often"]);
     text += "</tr>";
     for &judge in main {
         let (name, judged) = (&judges[judge], &gathered.judged[judge]);
@@ -207,32 +229,33 @@ fn policies(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
         let all = answers - refused;
         let harm = mean(judged.harm).map_or("–".to_owned(), of_share);
         let share = |sum: (f64, u64)| mean(sum).map_or("–".to_owned(), of_share);
+        let drawn = if is_drawn {
+            cell(&share(judged.best_share)) + &cell(&share(judged.worlds_won))
+        } else {
+            String::new()
+        };
         let mut wins: Vec<(&String, &u64)> = judged.wins.iter().collect();
         wins.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), (*name).clone()));
         let wins: Vec<String> = wins
             .into_iter()
             .take(LISTED)
-            .map(|(name, count)| format!("{} {}", escape(name), percent(*count, all)))
+            .map(|(name, count)| format!("{} {}", percent(*count, all), escape(name)))
             .collect();
         let _w = write!(
             text,
-            "<tr><td>{}</td>{}{}{}{}{}{}{}<td class=\"wins\">{}</td></tr>",
+            "<tr><td>{}</td>{}{}{}{}{drawn}{}<td class=\"wins\">{}</td></tr>",
             escape(name),
             cell(&percent(judged.free, all)),
             cell(&percent(judged.certain, all)),
             cell(&percent(judged.tied, all)),
             cell(&harm),
-            cell(&share(judged.best_share)),
-            cell(&share(judged.worlds_won)),
             cell(&percent(judged.nobody, all)),
-            wins.join(", ")
+            wins.join("; ")
         );
     }
     text += "</table></div><p class=\"key\">Harm is each policy's own leading measure, so columns \
              of different policies are not compared. \"Touches nobody\" is proven until the \
-             horizon. \"Sure\": the ranges of the model do not overlap. – : nothing was \
-             drawn (members = \
-             1).</p>";
+             horizon. \"Sure\": the ranges of the model do not overlap.</p>";
     text
 }
 
@@ -245,7 +268,7 @@ fn differ(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
     let mut text = "<h2>In how many scenes two policies choose differently</h2>\
                     <div class=\"wide\"><table class=\"heat\"><tr><th></th>"
         .to_owned();
-    text += &head(&named(judges, main));
+    text += &heads(&named(judges, main));
     text += "</tr>";
     for &a in main {
         let name = &judges[a];
@@ -270,10 +293,10 @@ fn where_they_differ(
 ) -> String {
     let mut text = format!(
         "<h2>Where: scenes in which a policy chooses otherwise than {}</h2><div class=\"wide\">\
-         <table><tr><th>Input</th><th>scenes</th>",
+         <table><tr><th>Input</th><th class=\"r\">scenes</th>",
         escape(&judges[0])
     );
-    text += &head(&named(judges, &main[1..]));
+    text += &heads(&named(judges, &main[1..]));
     text += "</tr>";
     for (number, input) in plan.file().inputs.iter().enumerate() {
         let all = gathered.scenes_by_input[number];
@@ -302,10 +325,10 @@ fn flips(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usize]) ->
     }
     let mut text = "<h2>What flips the winner</h2><p>The share of neighbouring scenes, one step \
                     apart in one sweep and alike in all else, of which the winners differ.</p>\
-                    <div class=\"wide\"><table><tr><th>Sweep</th><th>from</th><th>to</th>\
-                    <th>step</th>"
+                    <div class=\"wide\"><table><tr><th>Sweep</th><th class=\"r\">from</th>\
+                    <th class=\"r\">to</th><th class=\"r\">step</th>"
         .to_owned();
-    text += &head(&named(judges, main));
+    text += &heads(&named(judges, main));
     text += "</tr>";
     for (sweep, along) in sweeps.iter().zip(&gathered.along) {
         let [Some(first), Some(last), Some(second)] =
@@ -339,7 +362,7 @@ fn regret(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
                     policy's first rule may rank above its leading measure.</p><div class=\"wide\">\
                     <table class=\"heat\"><tr><th>measured by \\ chosen by</th>"
         .to_owned();
-    text += &head(&named(judges, main));
+    text += &heads(&named(judges, main));
     text += "</tr>";
     for &a in main {
         let name = &judges[a];
@@ -349,7 +372,10 @@ fn regret(gathered: &Gathered, judges: &[String], main: &[usize]) -> String {
                 return cell("–");
             }
             let mean = 100.0 * sum / count as f64;
-            cell(&format!("{mean:.4} ({:.2})", 100.0 * most))
+            if mean == 0.0 && most == 0.0 {
+                return cell("0");
+            }
+            cell(&format!("{} ({})", points(mean, 4), points(100.0 * most, 2)))
         });
         let _w = write!(text, "<tr><td>{}</td>{}</tr>", escape(name), cells.collect::<String>());
     }
@@ -371,13 +397,12 @@ fn worst_cases(plan: &Plan, worst: &[Recorded], judges: &[String]) -> String {
     for Recorded { worst, files } in worst {
         let Ok(key) = plan.scene(worst.row / judges.len() as u64) else { continue };
         let values = key.values.iter();
-        let values =
-            values.map(|(knob, value)| format!("{} {}", knob.name(), maps::number(*value)));
+        let values = values.map(|(knob, value)| in_words(*knob, *value));
         let values: Vec<String> = values.collect();
         let bad = match &worst.other {
             None => format!("harm {}", of_share(worst.value)),
             Some((judge, winner)) => format!(
-                "{:.2} points more than \"{}\" by the measure of {}",
+                "{:.2} percentage points more than \"{}\" by the measure of {}",
                 100.0 * worst.value,
                 escape(winner),
                 escape(&judges[*judge])
@@ -410,13 +435,13 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usiz
     let others: Vec<String> = others
         .map(|(_, sweep)| {
             let value = sweep.values[maps::given(sweep)];
-            format!("{} {}", sweep.knob.name(), maps::number(value))
+            in_words(sweep.knob, value)
         })
         .collect();
     let held = if others.is_empty() { String::new() } else { format!(" at {}", others.join(", ")) };
     let mut text = format!(
         "<h2>Who wins where</h2><p>Each cell is one answer{}. White: not finished, refused, or \
-         nobody wins. Inputs in which every cell has the same winner are left out.</p>",
+         nobody wins. Inputs with one winner alone are left out.</p>",
         escape(&held)
     );
     let mut mapped = 0;
@@ -426,6 +451,7 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usiz
         let mut used: Vec<u8> = cells.iter().flatten().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
+        used.retain(|code| *code != NOBODY);
         if used.len() < 2 || mapped >= MAPPED {
             continue;
         }
@@ -435,7 +461,7 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usiz
             text += &maps::svg(plan, name, cells, axes);
         }
         text += "</div><p class=\"key legend\">";
-        for code in used.into_iter().filter(|code| *code != NOBODY) {
+        for code in used {
             let name = gathered.names[number].get(usize::from(code));
             let _w = write!(
                 text,
@@ -451,7 +477,9 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usiz
 
 fn inputs(plan: &Plan, gathered: &Gathered) -> String {
     let mut text = "<h2>Inputs</h2><div class=\"wide\"><table><tr>".to_owned();
-    text += &head(&["Input", "kind", "parties", "candidates", "refused"]);
+    text += &head(&["Input", "kind"]);
+    text += &heads(&["parties", "candidates"]);
+    text += &head(&["refused"]);
     text += "</tr>";
     for input in &plan.file().inputs {
         let _w = write!(
@@ -494,4 +522,31 @@ fn made(plan: &Plan, gathered: &Gathered, out: &Path) -> String {
         escape(&out.display().to_string()),
         escape(&file.spec)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    //! Numbers of the page say what they are.
+
+    use super::*;
+
+    #[test]
+    fn zeros_are_zeros_and_nothing_else_is() {
+        let cases = [
+            (0.0, 4, "0"),
+            (0.000_02, 4, "&gt; 0"),
+            (-0.000_02, 4, "&lt; 0"),
+            (-0.0003, 4, "−0.0003"),
+            (88.23, 2, "88.23"),
+        ];
+        for (value, digits, expected) in cases {
+            assert_eq!(points(value, digits), expected);
+        }
+    }
+
+    #[test]
+    fn a_value_stands_before_its_unit() {
+        assert_eq!(in_words(SweepKnob::Reaction, 1.2), "reaction later 1.2 s");
+        assert_eq!(in_words(SweepKnob::Offset, -0.6), "ego further left −0.6 m");
+    }
 }

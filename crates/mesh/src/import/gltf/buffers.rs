@@ -60,7 +60,11 @@ fn check_version(bytes: &[u8], into: &Collector<'_>) -> Result<(), ImportError> 
 }
 
 fn json_fault(fault: &json::Error, into: &Collector<'_>) -> ImportError {
-    into.fail(FilePosition::Line(fault.line().max(1)), MeshDefect::Syntax(format!("JSON: {fault}")))
+    // The library's message ends with the line, too, which stands before it already.
+    let text = fault.to_string();
+    let text = text.rsplit_once(" at line ").map_or(&*text, |(text, _)| text);
+    let said = format!("JSON: {text} (column {})", fault.column().max(1));
+    into.fail(FilePosition::Line(fault.line().max(1)), MeshDefect::Syntax(said))
 }
 
 /// The content of every buffer, at least as long as stated.

@@ -206,6 +206,16 @@ fn every_number_is_checked() {
         let found = bend(from, to);
         assert!(found.starts_with(&format!("a.gltf: {expected}")), "{to}: {found}");
     }
+    // What is wrong in JSON has its place once.
+    let text = json_with(r#"{"mesh": 0}"#, PLAIN, SIDE);
+    let said = fault(text.replacen(r#""scene": 0"#, r#""scene": "a""#, 1).as_bytes());
+    assert!(said.starts_with("a.gltf: line 1: JSON: invalid type: string \"a\", "), "{said}");
+    assert_eq!((said.matches("line").count(), said.matches("column").count()), (1, 1), "{said}");
+    // An index may be that of a scene, a node or a buffer.
+    let wrong = text.replacen(r#""scene": 0"#, r#""scene": 1"#, 1);
+    let refused = collect(wrong.as_bytes(), &[]).err().expect("refused");
+    let help = diagnostic::Diagnostic::remedy(&refused).expect("a remedy");
+    assert_eq!(help, "correct this number, or export the mesh again");
     assert_eq!(fault(b""), "a.gltf: no triangle: the file is empty");
     assert!(fault(b"glTF\x02\0\0\0\x05\0\0\0").starts_with("a.gltf: its header states 5 bytes"));
 }
