@@ -57,8 +57,8 @@ fn glued(markup: &str) -> String {
             let next = after.strip_prefix(*unit);
             next.is_some_and(|next| !next.starts_with(|c: char| c.is_alphanumeric() || c == '='))
         };
-        let is_one = before.ends_with(is_digit) && UNITS.iter().any(|unit| is_unit(&unit))
-            || before.ends_with('±');
+        let is_one =
+            before.ends_with(is_digit) && UNITS.iter().any(is_unit) || before.ends_with('±');
         out.push_str(before);
         out.push(if is_one { '\u{a0}' } else { ' ' });
         rest = after;

@@ -104,7 +104,7 @@ fn emphasised(text: &str) -> String {
     out += &escape(rest);
     let parts: Vec<&str> = out.split('*').collect();
     // A mark alone is a sign.
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return out;
     }
     let part = |(at, part): (usize, &&str)| {
