@@ -7,6 +7,7 @@ use crate::support::{
     Place, heavy, instance, left_in_shm, signal, text, trolley, wait_for, workers_at_work,
 };
 use rustix::process::Signal;
+use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, Command, Output};
 
 /// The program, started by a shell that ignores SIGINT.
@@ -39,9 +40,11 @@ fn interrupted(command: impl Fn() -> Command, args: &[&str]) -> Output {
         }
         let output = child.wait_with_output().unwrap();
         assert_eq!(left_in_shm(&instance), Vec::<String>::new());
-        // One that ended before the signal came did not hear it.
+        // One whose work ended before the signal came did not hear it: it succeeds, or ends by the
+        // signal itself once all is cleaned up.
         let is_deaf = command().get_program() == "sh";
-        if is_at_work && (is_deaf || !output.status.success()) {
+        let has_heard = !output.status.success() && output.status.signal().is_none();
+        if is_at_work && (is_deaf || has_heard) {
             return output;
         }
     }

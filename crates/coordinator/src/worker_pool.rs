@@ -77,10 +77,12 @@ pub struct WorkerPool {
     status: StatusMemory,
     /// Where bodies go, for looks at them: written before these are sent.
     paths: Rc<WrittenWords>,
-    poller: Poller,
     /// Memory for the next successor, whatever fills the file system.
     reserve: SegmentReserve,
     domain: Domain,
+    /// Catches signals: after the domain, as one that came when the work was done ends the process
+    /// once they are no longer caught.
+    poller: Poller,
     dispatcher: Dispatcher<Box<dyn MatchScheme>>,
     boot: Boot,
     request: u64,
