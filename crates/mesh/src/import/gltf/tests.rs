@@ -213,7 +213,8 @@ fn every_number_is_checked() {
     assert_eq!((said.matches("line").count(), said.matches("column").count()), (1, 1), "{said}");
     // An index may be that of a scene, a node or a buffer.
     let wrong = text.replacen(r#""scene": 0"#, r#""scene": 1"#, 1);
-    let refused = collect(wrong.as_bytes(), &[]).err().expect("refused");
+    let side = content();
+    let refused = collect(wrong.as_bytes(), &[("my plate.bin", &side)]).err().expect("refused");
     let help = diagnostic::Diagnostic::remedy(&refused).expect("a remedy");
     assert_eq!(help, "correct this number, or export the mesh again");
     assert_eq!(fault(b""), "a.gltf: no triangle: the file is empty");

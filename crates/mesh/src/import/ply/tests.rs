@@ -117,8 +117,8 @@ fn every_fault_has_its_place() {
     let good = String::from_utf8(ascii(&TRIANGLE, &[vec![0, 1, 2]])).expect("text");
     let bend = |from: &str, to: &str| fault(good.replacen(from, to, 1).as_bytes());
     assert_eq!(fault(b""), "a.ply: no triangle: the file is empty");
-    let short = fault(good.trim_end().trim_end_matches("3 0 1 2").as_bytes());
-    assert!(short.starts_with("a.ply: line 15: unexpected end of file while reading"), "{short}");
+    let short = fault(good.trim_end().trim_end_matches("3 0 1 2 1").as_bytes());
+    assert!(short.starts_with("a.ply: line 16: unexpected end of file while reading"), "{short}");
     assert!(!short.ends_with('.'), "{short}");
     assert_eq!(fault(b"plx\n"), "a.ply: line 1: a PLY file begins with \"ply\"");
     assert_eq!(fault(b"ply\nformat"), "a.ply: the header has no line \"end_header\"");
