@@ -84,8 +84,9 @@ impl Trial {
             explanation: false,
             scene: false,
         };
-        // One that is not reached changes nothing.
-        let due_ns = text.len().is_multiple_of(2).then_some(u64::MAX);
+        // A deadline that is not reached changes nothing.
+        let due_ns = runtime::clock::now_ns() + 3_600_000_000_000;
+        let due_ns = text.len().is_multiple_of(2).then_some(due_ns);
         let executor = Box::new(InProcessExecutor::with_room_for(&views));
         let mut backend = Backend::InProcess(executor);
         let all = std::mem::take(&mut self.all);
