@@ -33,6 +33,7 @@ mod in_process;
 mod job_history;
 mod looks;
 mod pairs;
+mod path_memory;
 mod replay;
 mod request;
 mod request_limits;

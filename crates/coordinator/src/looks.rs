@@ -11,6 +11,7 @@
 //! other. The paths that it needs are written into memory that the workers read. What a look shows
 //! may ask for the next one, so that nobody waits until all looks of some kind are done.
 
+use crate::path_memory::PathMemory;
 use crate::work::{PartOf, TaskSource};
 use crate::worker_pool::{WorkerPool, WorkerPoolError};
 use crate::workspace::Backend;
@@ -21,13 +22,10 @@ use bytemuck::Zeroable as _;
 use core::ops::ControlFlow;
 use dispatch::{Closed, Job};
 use executor::encounter::{Look, LookOutcome};
-use executor::motion;
 use geometry::hash::splitmix64;
-use geometry::motion::MotionPath;
-use protocol::{Section, TaskId, WireLook, WireQuestion, WireTask, launch};
+use protocol::{Section, TaskId, WireLook, WireQuestion, WireTask};
 use runtime::{WrittenWords, clock};
-use smallvec::SmallVec;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::rc::Rc;
 
 /// Looks that a worker has at once: one at work, and the next ones. More would leave some workers
@@ -79,34 +77,49 @@ impl Backend {
         match self {
             // Bodies that are copied are so for the sections of jobs.
             Self::Workers(pool) if !pool.copies() => pool.look(source, bodies, (due_ns, &is_due)),
-            Self::Workers(_) | Self::InProcess(_) => Ok(look_here(source, &is_due)),
+            Self::Workers(_) | Self::InProcess(_) => {
+                Ok(look_here(source, |source, id| look_until(source, id, &is_due)))
+            }
         }
     }
 }
 
-/// Looks in this process until `is_due`, one course after the other.
-fn look_here(source: &mut impl LookSource, is_due: &dyn Fn() -> bool) -> LookEffort {
+/// What a look showed, and what it took; `None`: it was not done.
+type Seen = Option<(LookOutcome, Counters)>;
+
+/// Looks in this process, one after the other, by `see`.
+pub(crate) fn look_here<S: LookSource>(
+    source: &mut S,
+    mut see: impl FnMut(&mut S, S::Id) -> Seen,
+) -> LookEffort {
     let mut effort = LookEffort::default();
     loop {
         while source.use_spare_time() {}
         let Some(id) = source.next() else { return effort };
-        look_at(source, id, is_due, &mut effort);
+        let seen = see(source, id);
+        effort.learn(source, id, seen);
     }
 }
 
 /// One look in this process, unless `is_due`.
-fn look_at<S: LookSource>(
-    source: &mut S,
-    id: S::Id,
-    is_due: &dyn Fn() -> bool,
-    effort: &mut LookEffort,
-) {
+fn look_until<S: LookSource>(source: &mut S, id: S::Id, is_due: &dyn Fn() -> bool) -> Seen {
     let mut watch = |_| if is_due() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let seen = if is_due() { None } else { source.look(id, &mut watch) };
-    if let Some((_, counters)) = &seen {
-        effort.counters.add(counters);
+    if is_due() { None } else { source.look(id, &mut watch) }
+}
+
+impl LookEffort {
+    /// Tells the source what a look in this process showed.
+    fn learn<S: LookSource>(&mut self, source: &mut S, id: S::Id, seen: Seen) {
+        if let Some((_, counters)) = &seen {
+            self.counters.add(counters);
+        }
+        source.learn(id, seen.map(|(seen, _)| seen));
     }
-    source.learn(id, seen.map(|(seen, _)| seen));
+}
+
+/// Whether it is as late as `due_ns` (monotonic).
+fn is_past(due_ns: Option<u64>) -> bool {
+    due_ns.is_some_and(|due_ns| due_ns <= clock::now_ns())
 }
 
 impl WorkerPool {
@@ -120,10 +133,10 @@ impl WorkerPool {
         let mut effort = LookEffort::default();
         while let Some(first) = source.next() {
             // A single look is done sooner here, and none is begun after the deadline.
-            let is_over = due_ns.is_some_and(|due_ns| due_ns <= clock::now_ns());
-            let second = if is_over { None } else { source.next() };
+            let second = if is_past(due_ns) { None } else { source.next() };
             let Some(second) = second else {
-                look_at(source, first, is_due, &mut effort);
+                let seen = look_until(source, first, is_due);
+                effort.learn(source, first, seen);
                 continue;
             };
             let most_out = OUT_PER_WORKER * self.size();
@@ -158,60 +171,12 @@ struct LookRun<'r, S: LookSource> {
     due_ns: Option<u64>,
 }
 
-/// Where a path lies in memory, its length (words), and the sum over its words.
-type Place = ([u32; 2], u64);
-
-/// The memory that workers read paths from.
-struct PathMemory<'r> {
-    memory: &'r WrittenWords,
-    /// Words that are taken.
-    used: usize,
-    /// Paths there: all of them live as long as the search, so their addresses tell them apart.
-    places: BTreeMap<*const MotionPath, Place>,
-    scratch: Vec<u64>,
-}
-
-impl PathMemory<'_> {
-    /// Where two paths lie, written unless they are there; `None`: there is no room.
-    fn place(&mut self, paths: [&MotionPath; 2]) -> Option<[Place; 2]> {
-        let key = |path: &MotionPath| core::ptr::from_ref(path);
-        self.scratch.clear();
-        let mut fresh: SmallVec<[(*const MotionPath, Place); 2]> = SmallVec::new();
-        for path in paths {
-            if self.places.contains_key(&key(path)) || fresh.iter().any(|(at, _)| *at == key(path))
-            {
-                continue;
-            }
-            let first = self.scratch.len();
-            motion::write(path, &mut self.scratch);
-            let words = &self.scratch[first..];
-            let place = [(self.used + first) as u32, words.len() as u32];
-            fresh.push((key(path), (place, motion::sum(words))));
-        }
-        if self.used + self.scratch.len() > launch::PATHS_WORDS {
-            return None;
-        }
-        self.memory.write(self.used, &self.scratch);
-        self.used += self.scratch.len();
-        self.places.extend(fresh);
-        let [a, b] = paths.map(|path| self.places.get(&key(path)).copied());
-        Some([a?, b?])
-    }
-
-    /// Forgets what is there: nobody reads it any more.
-    fn clear(&mut self) {
-        self.used = 0;
-        self.places.clear();
-    }
-}
-
 impl<'r, S: LookSource> LookRun<'r, S> {
     fn of(
         source: &'r mut S,
         bodies: &'r [(Meta, BodyView<'r>)],
         (memory, most_out, due_ns): (&'r WrittenWords, usize, Option<u64>),
     ) -> Self {
-        let (used, places, scratch) = (0, BTreeMap::new(), Vec::new());
         Self {
             source,
             bodies,
@@ -219,7 +184,7 @@ impl<'r, S: LookSource> LookRun<'r, S> {
             tasks: Vec::new(),
             looks: Vec::new(),
             seen: Vec::new(),
-            memory: PathMemory { memory, used, places, scratch },
+            memory: PathMemory::over(memory),
             effort: LookEffort::default(),
             out: 0,
             most_out,
@@ -308,8 +273,9 @@ impl<S: LookSource> dispatch::JobSource for LookRun<'_, S> {
                 // There is room once those that are out are done.
                 None if self.out > 0 => return self.begun.push_front(id),
                 None => {
-                    let is_due = || self.due_ns.is_some_and(|due_ns| due_ns <= clock::now_ns());
-                    look_at(self.source, id, &is_due, &mut self.effort);
+                    let due_ns = self.due_ns;
+                    let seen = look_until(self.source, id, &|| is_past(due_ns));
+                    self.effort.learn(self.source, id, seen);
                 }
             }
         }

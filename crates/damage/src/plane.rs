@@ -232,7 +232,7 @@ impl Plane {
                 let before = sum.weight;
                 for k in 0..CHORDS {
                     let travel_m = depth_m * (k as f64 + 0.5) / CHORDS as f64;
-                    if let Some(found) = facing.overlap(travel_m, &mut sum.struck) {
+                    if let Some(found) = facing.overlap((k, travel_m), &mut sum.struck) {
                         sum.add(&found, shared, travel_m, centres);
                     }
                 }

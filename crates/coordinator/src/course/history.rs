@@ -8,7 +8,7 @@
 
 use super::search::CourseSearch;
 use super::{CourseRequest, RankedCourses, follow};
-use crate::looks::{LookEffort, LookSource as _};
+use crate::looks::{LookEffort, LookSource as _, look_here};
 use crate::request_limits::RequestLimits;
 use crate::work::SurveyRun;
 use crate::worker_pool::IdleHook;
@@ -314,20 +314,9 @@ fn look_at_some(
     search: &mut CourseSearch<'_, '_>,
     mut is_done: impl FnMut(OpenStep) -> bool,
 ) -> LookEffort {
-    let mut effort = LookEffort::default();
-    loop {
-        while search.use_spare_time() {}
-        let Some(look) = search.next() else { return effort };
-        let seen = if is_done(look.step) {
-            search.look(look, &mut |_| ControlFlow::Continue(()))
-        } else {
-            None
-        };
-        if let Some((_, counters)) = &seen {
-            effort.counters.add(counters);
-        }
-        search.learn(look, seen.map(|(seen, _)| seen));
-    }
+    look_here(search, |search, look| {
+        is_done(look.step).then(|| search.look(look, &mut |_| ControlFlow::Continue(())))?
+    })
 }
 
 #[cfg(any(test, feature = "faults"))]

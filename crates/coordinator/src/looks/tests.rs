@@ -7,9 +7,9 @@ use crate::gather::{Part, Rest};
 use body::{Body, Shape};
 use dispatch::JobSource as _;
 use executor::encounter::{Encounters, Ways};
-use geometry::motion::{Orientation, STATE_WORDS, State};
-use protocol::Summary;
+use geometry::motion::{MotionPath, Orientation, STATE_WORDS, State};
 use protocol::result::{Last, WireSeen};
+use protocol::{Summary, launch};
 
 /// Towards the origin, with so many states.
 fn path(states: u32) -> MotionPath {
@@ -131,7 +131,7 @@ fn what_is_no_answer_leaves_a_look_open_and_answers_ask_for_more() {
     let (still, memory) = (still(), memory());
     let paths: [MotionPath; 6] = core::array::from_fn(|_| path(5));
     let mut here = Cars::new(&car, &still, &paths, 1);
-    look_here(&mut here, &|| false);
+    look_here(&mut here, |cars, id| look_until(cars, id, &|| false));
     let met = here.seen[0].flatten().expect("it was looked");
     assert!(matches!(met, LookOutcome::Contact(_)), "{met:?}");
     assert_eq!(here.seen, [Some(Some(met)); 6], "the last one was asked for by the first");

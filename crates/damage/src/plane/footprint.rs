@@ -61,7 +61,7 @@ fn bounds(rings: &[Vec<[f64; 2]>]) -> [[f64; 2]; 2] {
 }
 
 impl PlacedBand {
-    fn new(height_m: [f64; 2], rings: Vec<Vec<[f64; 2]>>) -> Self {
+    pub(super) fn new(height_m: [f64; 2], rings: Vec<Vec<[f64; 2]>>) -> Self {
         let bounds = bounds(&rings);
         Self { height_m, rings, bounds }
     }

@@ -1,5 +1,6 @@
 //! The overlap of two outlines in plan: its chord, its centre, and the edges that bound it.
 
+use super::CHORDS;
 use super::footprint::PlacedBand;
 use geometry::plan::distance_m;
 use smallvec::SmallVec;
@@ -105,10 +106,10 @@ type Edges = SmallVec<[Edge; 32]>;
 #[derive(Clone, Copy)]
 struct Side<'e> {
     edges: &'e [Edge],
-    /// Their numbers.
-    beside: &'e [u16],
-    /// How far they have moved along u (m).
+    beside: &'e [Neighbour],
+    /// How far they have moved along u (m), and the depth at which they have.
     moved_m: f64,
+    depth: usize,
     /// Whether all edges in this direction along u are there: what is inside is told by them.
     is_ahead: bool,
 }
@@ -120,6 +121,14 @@ impl Edge {
         Self { number, ends, low, high: [p[0].max(q[0]), p[1].max(q[1])] }
     }
 
+    /// All of it, inside of the other outline.
+    fn whole(&self) -> Option<Piece> {
+        let [from, q] = self.ends;
+        let d = sub(q, from);
+        let to = [from[0] + d[0], from[1] + d[1]];
+        (from != to).then_some(Piece { from, to, place: Place::Inside })
+    }
+
     fn moved(&self, by_m: f64) -> Self {
         let shift = |p: [f64; 2]| [p[0] + by_m, p[1]];
         let ends = self.ends.map(shift);
@@ -127,19 +136,15 @@ impl Edge {
     }
 }
 
-impl<'e> Side<'e> {
-    fn beside(&self) -> impl Iterator<Item = &'e Edge> + use<'e> {
-        let edges = self.edges;
-        self.beside.iter().map(move |number| &edges[usize::from(*number)])
-    }
-
+impl Side<'_> {
     /// How the middle of a piece lies to the outline.
     fn place(&self, piece: [[f64; 2]; 2]) -> Place {
         let middle =
             [0.5 * (piece[0][0] + piece[1][0]) - self.moved_m, 0.5 * (piece[0][1] + piece[1][1])];
         let way = sub(piece[1], piece[0]);
         let mut is_in = false;
-        for edge in self.beside() {
+        for neighbour in self.beside {
+            let edge = &self.edges[usize::from(neighbour.number)];
             if edge.high[1] < middle[1] - SAME_M || edge.low[1] > middle[1] + SAME_M {
                 continue;
             }
@@ -167,7 +172,8 @@ impl<'e> Side<'e> {
         let mut cuts: SmallVec<[f64; 8]> = SmallVec::new();
         cuts.push(0.0);
         let square = dot(d, d);
-        for other in self.beside() {
+        for neighbour in self.beside.iter().filter(|other| other.may_meet(self.depth)) {
+            let other = &self.edges[usize::from(neighbour.number)];
             let is_apart = other.high[0] + self.moved_m < edge.low[0] - SAME_M
                 || other.low[0] + self.moved_m > edge.high[0] + SAME_M;
             if is_apart {
@@ -208,43 +214,100 @@ impl<'e> Side<'e> {
 /// Two outlines that face each other: the edges of either that the other may reach.
 pub(super) struct Facing {
     edges: [Edges; 2],
-    /// For each edge of A, and each of B, which of the other's lie beside it, whatever the travel.
+    /// For each edge of A, and each of B, which of the other's lie beside it.
     beside: [Beside; 2],
     slabs: [f64; 2],
 }
 
-/// For each edge of an outline, numbers of edges of the other one: a body has at most
-/// [`body::outline::POINTS_MAX`] of them.
+/// A set of depths, by number.
+type Depths = u32;
+
+const _: () = assert!(CHORDS <= Depths::BITS as usize, "each depth has a bit");
+
+/// An edge that lies beside one of the other outline.
+#[derive(Clone, Copy)]
+struct Neighbour {
+    /// Its number: a body has at most [`body::outline::POINTS_MAX`].
+    number: u16,
+    /// At which depths the two may be nearer along u than edges that coincide.
+    meets: Depths,
+}
+
+impl Neighbour {
+    fn may_meet(&self, depth: usize) -> bool {
+        self.meets >> depth & 1 == 1
+    }
+}
+
+/// What lies beside the edges of an outline.
 #[derive(Default)]
 struct Beside {
-    numbers: Vec<u16>,
-    /// Where those of each edge end.
-    ends: SmallVec<[u32; 32]>,
+    neighbours: Vec<Neighbour>,
+    /// By edge.
+    rows: SmallVec<[Row; 32]>,
+}
+
+/// What lies beside an edge.
+#[derive(Clone, Copy)]
+struct Row {
+    /// Where its neighbours end.
+    end: u32,
+    /// At which depths one of them may meet it.
+    meets: Depths,
+    /// At which depths its middle lies inside of the other outline, where nothing meets it.
+    is_inside: Depths,
+}
+
+/// The depths at which edges of A and of B may meet along u, and those at which they have passed
+/// each other: both have a margin, as numbers are rounded.
+fn meeting(of_a: &Edge, of_b: &Edge, step_m: f64) -> [Depths; 2] {
+    let number = |travel_m: f64| travel_m / step_m.max(f64::MIN_POSITIVE) - 0.5;
+    let clamp = |number: f64| number.floor().clamp(0.0, CHORDS as f64) as u32;
+    let first = clamp(number(of_b.low[0] - of_a.high[0] - 2.0 * SAME_M));
+    let passed = clamp(number(of_b.high[0] - of_a.low[0] + 2.0 * SAME_M) + 2.0);
+    let below = |end: u32| ((1_u64 << end) - 1) as Depths;
+    [below(passed) & !below(first), below(CHORDS as u32) & !below(passed)]
 }
 
 impl Beside {
-    fn of(edges: &Edges, others: &Edges) -> Self {
+    /// For each edge of A (`side` 0) or of B (1), the others that lie beside it.
+    fn of(side: usize, edges: &Edges, others: &Edges, step_m: f64) -> Self {
         let mut beside = Self::default();
         for edge in edges {
-            let all = others.iter().zip(0..=u16::MAX);
-            let near = all.filter(|(other, _)| {
-                other.high[1] >= edge.low[1] - SAME_M && other.low[1] <= edge.high[1] + SAME_M
-            });
-            beside.numbers.extend(near.map(|(_, number)| number));
-            beside.ends.push(beside.numbers.len() as u32);
+            let [p, q] = edge.ends;
+            // As of the piece that is the whole edge.
+            let middle = 0.5 * (p[1] + (p[1] + (q[1] - p[1])));
+            let mut row = Row { end: 0, meets: 0, is_inside: 0 };
+            for (other, number) in others.iter().zip(0..=u16::MAX) {
+                if other.high[1] < edge.low[1] - SAME_M || other.low[1] > edge.high[1] + SAME_M {
+                    continue;
+                }
+                let [of_a, of_b] = if side == 0 { [edge, other] } else { [other, edge] };
+                let [meets, passed] = meeting(of_a, of_b, step_m);
+                beside.neighbours.push(Neighbour { number, meets });
+                row.meets |= meets;
+                // What is passed is crossed by a ray from A's edge against u, or from B's along u.
+                let [a, b] = other.ends;
+                if (a[1] > middle) != (b[1] > middle) {
+                    row.is_inside ^= passed;
+                }
+            }
+            row.end = beside.neighbours.len() as u32;
+            beside.rows.push(row);
         }
         beside
     }
 
-    fn of_edge(&self, number: usize) -> &[u16] {
-        let from = number.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.numbers[from as usize..self.ends[number] as usize]
+    fn of_edge(&self, number: usize) -> (&[Neighbour], &Row) {
+        let from = number.checked_sub(1).map_or(0, |before| self.rows[before].end);
+        let row = &self.rows[number];
+        (&self.neighbours[from as usize..row.end as usize], row)
     }
 }
 
 impl Facing {
-    /// The edges that may take part while B comes nearer by up to a travel; `None` if there are
-    /// none.
+    /// The edges that may take part while B comes nearer by up to a travel, in [`CHORDS`] steps;
+    /// `None` if there are none.
     pub(super) fn of(a: &PlacedBand, b: &PlacedBand, most_m: f64) -> Option<Self> {
         let [low_a, high_a] = a.bounds;
         let [low_b, high_b] = b.bounds;
@@ -262,14 +325,16 @@ impl Facing {
         let (mut of_a, mut of_b) = (all(a), all(b));
         of_a.retain(|edge| edge.high[0] >= nearest);
         of_b.retain(|edge| edge.low[0] <= furthest);
-        let beside = [Beside::of(&of_a, &of_b), Beside::of(&of_b, &of_a)];
+        let step_m = most_m / CHORDS as f64;
+        let beside = [Beside::of(0, &of_a, &of_b, step_m), Beside::of(1, &of_b, &of_a, step_m)];
         Some(Self { edges: [of_a, of_b], beside, slabs: [a.height_m[0], b.height_m[0]] })
     }
 
-    /// The overlap after B has come nearer by a travel; `None` if there is none.
+    /// The overlap at a depth, below [`CHORDS`]: after B has come nearer by that travel; `None` if
+    /// there is none.
     pub(super) fn overlap(
         &self,
-        travel_m: f64,
+        (depth, travel_m): (usize, f64),
         struck: &mut [SmallVec<[Struck; 16]>; 2],
     ) -> Option<Overlap> {
         let [of_a, of_b] = &self.edges;
@@ -294,13 +359,14 @@ impl Facing {
                     continue;
                 }
                 found.clear();
-                let other = Side {
-                    edges: other,
-                    beside: self.beside[side].of_edge(number),
-                    moved_m: moves[1 - side],
-                    is_ahead: side == 1,
-                };
-                other.pieces(&edge, &mut found);
+                let (beside, row) = self.beside[side].of_edge(number);
+                if row.meets >> depth & 1 == 1 {
+                    let (moved_m, is_ahead) = (moves[1 - side], side == 1);
+                    let other = Side { edges: other, beside, moved_m, depth, is_ahead };
+                    other.pieces(&edge, &mut found);
+                } else if row.is_inside >> depth & 1 == 1 {
+                    found.extend(edge.whole());
+                }
                 let mut inside = 0.0;
                 for piece in &found {
                     let way = sub(piece.to, piece.from);
@@ -394,3 +460,6 @@ impl Sums {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
