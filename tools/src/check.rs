@@ -84,7 +84,8 @@ pub(crate) const STEPS: &[Step] = &[
 const PACKAGE: Step = Step {
     name: "package",
     args: &["package", "--workspace", "--quiet", "--allow-dirty"],
-    env: &[],
+    // Nothing of it is run.
+    env: &[("CARGO_PROFILE_DEV_OPT_LEVEL", "0")],
 };
 
 /// Third-party files beside the checkout.

@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArr
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trolley::kernel::{Corners, Pose, RelativePose};
-use trolley::poses;
+use trolley::{Failure, poses};
 
 /// An array of numbers, copied in the order of C.
 pub(crate) struct Numbers<T> {
@@ -207,48 +207,64 @@ fn moved(from: &[f64; 3], to: &[f32; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// Poses of shape (4, 4), (n, 4, 4) or (n, 3, 4), each checked: finite and rigid.
-pub(crate) fn poses(py: Python<'_>, name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<Pose>> {
-    let given = floats(py, name, given)?;
-    let rows = match given.shape[..] {
-        [4, 4] | [_, 4, 4] => 4,
-        [_, 3, 4] => 3,
-        _ => {
-            let what = format!(
-                "the shape is {}, not (n, 4, 4), (4, 4) or (n, 3, 4)",
-                shape_name(&given.shape)
-            );
-            return Err(refuse(py, name, &what, "give R | t in rows, and 0 0 0 1 below"));
-        }
-    };
-    let single = given.shape.len() == 2;
-    let mut all = Vec::with_capacity(given.values.len() / (4 * rows));
-    for (number, matrix) in given.values.chunks_exact(4 * rows).enumerate() {
-        let place = || if single { name.to_owned() } else { format!("{name}[{number}]") };
-        if rows == 4 && matrix[12..] != [0.0, 0.0, 0.0, 1.0] {
-            let what = format!("the last row is {:?}, not 0 0 0 1", &matrix[12..]);
+/// Poses of shape (4, 4), (n, 4, 4) or (n, 3, 4), each of which is checked when it is taken: on the
+/// thread that needs it.
+pub(crate) struct Poses<'n> {
+    name: &'n str,
+    values: Vec<f64>,
+    /// Of each matrix.
+    rows: usize,
+    is_single: bool,
+}
+
+impl<'n> Poses<'n> {
+    pub(crate) fn of(py: Python<'_>, name: &'n str, given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let given = floats(py, name, given)?;
+        let rows = match given.shape[..] {
+            [4, 4] | [_, 4, 4] => 4,
+            [_, 3, 4] => 3,
+            _ => {
+                let what = format!(
+                    "the shape is {}, not (n, 4, 4), (4, 4) or (n, 3, 4)",
+                    shape_name(&given.shape)
+                );
+                return Err(refuse(py, name, &what, "give R | t in rows, and 0 0 0 1 below"));
+            }
+        };
+        let is_single = given.shape.len() == 2;
+        Ok(Self { name, values: given.values, rows, is_single })
+    }
+
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.values.len() / (4 * self.rows)
+    }
+
+    /// One of them, below their number: finite and rigid, or a refusal that names its place.
+    pub(crate) fn pose(&self, number: usize) -> Result<Pose, Failure> {
+        let matrix = &self.values[4 * self.rows * number..][..4 * self.rows];
+        let place = || match self.is_single {
+            true => self.name.to_owned(),
+            false => format!("{}[{number}]", self.name),
+        };
+        if self.rows == 4 && matrix[12..] != [0.0, 0.0, 0.0, 1.0] {
+            let what = format!("{}: the last row is {:?}, not 0 0 0 1", place(), &matrix[12..]);
             let remedy = "give R | t in rows: a transposed matrix has t in its last row";
-            return Err(refuse(py, &place(), &what, remedy));
+            return Err(Failure::input(what).with_remedy(remedy));
         }
         let pose = Pose {
             rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[4 * i + j])),
             translation: [0, 1, 2].map(|i| matrix[4 * i + 3]),
         };
-        poses::check(&pose).map_err(|failure| raise(py, &failure.at(place())))?;
-        all.push(pose);
+        poses::check(&pose).map_err(|failure| failure.at(place()))?;
+        Ok(pose)
     }
-    Ok(all)
-}
 
-/// Poses of B in A's frame.
-pub(crate) fn relative(
-    py: Python<'_>,
-    name: &str,
-    given: &Bound<'_, PyAny>,
-) -> PyResult<Vec<RelativePose>> {
-    let relative =
-        |pose: Pose| RelativePose { rotation: pose.rotation, translation: pose.translation };
-    Ok(poses(py, name, given)?.into_iter().map(relative).collect())
+    /// One of them, as a pose of B in A's frame.
+    pub(crate) fn relative(&self, number: usize) -> Result<RelativePose, Failure> {
+        let Pose { rotation, translation } = self.pose(number)?;
+        Ok(RelativePose { rotation, translation })
+    }
 }
 
 /// One pose of B in A's frame.
@@ -263,14 +279,17 @@ pub(crate) fn one_pose(
             translation: Pose::IDENTITY.translation,
         });
     };
-    let all = relative(py, name, given)?;
-    match all[..] {
-        [pose] => Ok(pose),
-        _ => {
-            let what = format!("these are {} poses, not one", all.len());
-            Err(refuse(py, name, &what, "call this once for each pose, or ask touches or hits"))
-        }
+    let all = Poses::of(py, name, given)?;
+    if all.count() != 1 {
+        let what = format!("these are {} poses, not one", all.count());
+        return Err(refuse(
+            py,
+            name,
+            &what,
+            "call this once for each pose, or ask touches or hits",
+        ));
     }
+    all.relative(0).map_err(|failure| raise(py, &failure))
 }
 
 /// Directions of shape (3,), for all, or (n, 3).

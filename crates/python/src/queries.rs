@@ -1,11 +1,12 @@
 //! The queries of two bodies: for one pose, or for many.
 
-use crate::arrays;
+use crate::arrays::{self, Poses};
 use crate::batch::{answers, threads};
-use crate::errors::{raise_diagnostic, refuse};
+use crate::errors::{raise, raise_diagnostic, refuse};
 use crate::mesh_body::MeshBody;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
+use trolley::Failure;
 use trolley::kernel::{self, HitSets, Sweep, SweepWorkspace, Witness, Workspace};
 
 /// Find at which poses two bodies touch.
@@ -27,13 +28,14 @@ pub(crate) fn touches<'py>(
     poses: &Bound<'py, PyAny>,
     threads: usize,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let poses = arrays::relative(py, "poses", poses)?;
+    let poses = Poses::of(py, "poses", poses)?;
     let threads = self::threads(py, threads)?;
     let (a, b) = (&*a.get().tree, &*b.get().tree);
-    let answer =
-        |number: usize, workspace: &mut Workspace| kernel::touches(a, b, &poses[number], workspace);
-    let raise = |error| raise_diagnostic(py, error);
-    let found = answers(py, (poses.len(), threads), Workspace::new, answer, raise)?;
+    let answer = |number: usize, workspace: &mut Workspace| -> Result<bool, Failure> {
+        Ok(kernel::touches(a, b, &poses.relative(number)?, workspace)?)
+    };
+    let raise = |failure: Failure| raise(py, &failure);
+    let found = answers(py, (poses.count(), threads), Workspace::new, answer, raise)?;
     Ok(PyArray1::from_vec(py, found))
 }
 
@@ -72,13 +74,14 @@ pub(crate) fn hits<'py>(
     poses: &Bound<'py, PyAny>,
     threads: usize,
 ) -> PyResult<(Rows<'py>, Rows<'py>)> {
-    let poses = arrays::relative(py, "poses", poses)?;
+    let poses = Poses::of(py, "poses", poses)?;
     let threads = self::threads(py, threads)?;
     let (a, b) = (&*a.get().tree, &*b.get().tree);
-    let answer =
-        |number: usize, workspace: &mut Workspace| kernel::sets(a, b, &poses[number], workspace);
-    let raise = |error| raise_diagnostic(py, error);
-    let found = answers(py, (poses.len(), threads), Workspace::new, answer, raise)?;
+    let answer = |number: usize, workspace: &mut Workspace| -> Result<HitSets, Failure> {
+        Ok(kernel::sets(a, b, &poses.relative(number)?, workspace)?)
+    };
+    let raise = |failure: Failure| raise(py, &failure);
+    let found = answers(py, (poses.count(), threads), Workspace::new, answer, raise)?;
     let rows = |ids: fn(&HitSets) -> &Vec<u32>| {
         let mut ends = vec![0_i64];
         let mut all = Vec::new();
@@ -106,19 +109,20 @@ pub(crate) fn first_contact<'py>(
     travel: [f64; 2],
     threads: usize,
 ) -> PyResult<FirstContacts<'py>> {
-    let poses = arrays::relative(py, "poses", poses)?;
+    let poses = Poses::of(py, "poses", poses)?;
     let threads = self::threads(py, threads)?;
-    let directions = arrays::directions(py, direction, poses.len())?;
+    let directions = arrays::directions(py, direction, poses.count())?;
     let [start, to] = travel;
     let sweep = |direction: &[f64; 3]| Sweep::new((*direction).into(), start, to);
     let sweeps: Result<Vec<Sweep>, _> = directions.iter().map(sweep).collect();
     let sweeps = sweeps.map_err(|error| raise_diagnostic(py, error))?;
     let (a, b) = (&*a.get().tree, &*b.get().tree);
     let answer = |number: usize, workspace: &mut SweepWorkspace| {
-        kernel::first_contact(a, b, &poses[number], &sweeps[number], workspace)
+        let pose = poses.relative(number)?;
+        Ok(kernel::first_contact(a, b, &pose, &sweeps[number], workspace)?)
     };
-    let raise = |error| raise_diagnostic(py, error);
-    let found = answers(py, (poses.len(), threads), SweepWorkspace::new, answer, raise)?;
+    let raise = |failure: Failure| raise(py, &failure);
+    let found = answers(py, (poses.count(), threads), SweepWorkspace::new, answer, raise)?;
     let travel = |first: &Option<Witness>| first.map_or(f64::NAN, |first| first.travel_m);
     let ids = |first: &Option<Witness>| first.map_or([-1; 2], |of| of.ids.map(u32::cast_signed));
     let point = |first: &Option<Witness>| first.map_or([f64::NAN; 3], |of| of.point.to_array());

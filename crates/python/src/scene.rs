@@ -1,13 +1,14 @@
 //! `Scene`: many bodies, and which of them touch.
 
-use crate::arrays;
+use crate::arrays::{self, Poses};
 use crate::batch::{answers, threads};
-use crate::errors::{raise_diagnostic, refuse};
+use crate::errors::{raise, raise_diagnostic, refuse};
 use crate::mesh_body::MeshBody;
 use crate::queries::refuse_count;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use std::sync::Arc;
+use trolley::Failure;
 use trolley::kernel::{self, BodyView, Pose, RelativePose, Tree, Workspace};
 
 /// Many bodies: which of them touch, wherever they stand.
@@ -49,10 +50,12 @@ impl MeshScene {
         poses: &Bound<'py, PyAny>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        let poses = arrays::poses(py, "poses", poses)?;
-        if poses.len() != self.bodies.len() {
-            return Err(refuse_count(py, poses.len(), self.bodies.len()));
+        let poses = Poses::of(py, "poses", poses)?;
+        if poses.count() != self.bodies.len() {
+            return Err(refuse_count(py, poses.count(), self.bodies.len()));
         }
+        let poses: Result<Vec<Pose>, Failure> = (0..poses.count()).map(|k| poses.pose(k)).collect();
+        let poses = poses.map_err(|failure| raise(py, &failure))?;
         let threads = self::threads(py, threads)?;
         let placed: Vec<(BodyView<'_>, Pose)> =
             self.bodies.iter().map(|tree| tree.view()).zip(poses).collect();
