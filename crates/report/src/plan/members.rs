@@ -95,13 +95,14 @@ fn legend(colours: &Colours<'_>) -> String {
         .0
         .iter()
         .take(own)
-        .map(|party| format!("{} {}", chart::swatch(colours.of_party(party)), bdi(party)))
+        .map(|party| format!("<b>{} {}</b>", chart::swatch(colours.of_party(party)), bdi(party)))
         .collect();
     if colours.0.len() > own {
         let rest = colours.0.len() - own;
-        said.push(format!("{} {rest} others", chart::swatch(chart::colour_of(None))));
+        let what = if rest == 1 { "other" } else { "others" };
+        said.push(format!("<b>{} {rest} {what}</b>", chart::swatch(chart::colour_of(None))));
     }
-    said.push(format!("{} nobody", chart::swatch(chart::NOBODY)));
+    said.push(format!("<b>{} nobody</b>", chart::swatch(chart::NOBODY)));
     format!("<p class=\"key legend\">{}</p>", said.join(" "))
 }
 
