@@ -346,7 +346,9 @@ fn show(
         let title = row["name"].as_str().unwrap_or_default();
         let harm = 100.0 * row["work"][1].as_f64().unwrap_or_default();
         let contacts = row["contacts"].as_array().map_or(&[][..], Vec::as_slice);
-        let _w = writeln!(page, "\n**{}. {title}**: harm {harm:.2} %", at + 1);
+        // A place is said where there are several.
+        let place = if rows.len() > 1 { format!("{}. ", at + 1) } else { String::new() };
+        let _w = writeln!(page, "\n**{place}{title}**: harm {harm:.2} %");
         if contacts.is_empty() {
             let _w = writeln!(page, "\nTouches nobody.");
         }

@@ -213,13 +213,14 @@ pub(crate) fn members(count: u32, replaced: u32, injured: Option<f64>) -> String
 /// How sure the first place is, if the second is known to be worse by so much, give or take its
 /// sampling error.
 pub(crate) fn lead(mean: f64, error: f64) -> Option<String> {
-    let verdict = if mean.abs() < error { "too close to call" } else { "more than chance" };
-    let percent = |value: f64| format!("{:.2} %", 100.0 * value);
+    let verdict = if mean.abs() < error { ", too close to call" } else { "" };
     (error > 0.0).then(|| {
         format!(
-            "The second is {} worse in the mean, give or take {}: {verdict}.",
-            percent(mean),
-            percent(error)
+            "The second is {:.2} % worse in the mean, give or take {:.2} %: {:.1} times \
+             that{verdict}.",
+            100.0 * mean,
+            100.0 * error,
+            mean.abs() / error
         )
     })
 }

@@ -71,7 +71,10 @@
     const shown = '[data-course]:not([style*="none"])';
     for (const mark of plan.querySelectorAll(
       `${shown} text, ${shown} .hit, ${shown} .gap, ${shown} .dot.own, :scope > text, :scope > .scale`)) {
-      taken.push(mark.getBBox());
+      const box = mark.getBBox();
+      // Room between a name and another text, and the line that leads to that.
+      const by = mark.localName === 'text' ? 8 : 0;
+      taken.push({ x: box.x - by, y: box.y, width: box.width + 2 * by, height: box.height });
     }
     for (const sample of course.ego) {
       const [x, y] = place(sample);
@@ -86,7 +89,9 @@
       const count = Math.min(12, Math.max(1, Math.round(long / r)));
       return Array.from({ length: count + 1 }, (_, k) => {
         const along = (2 * k / count - 1) * Math.max(0, long - r);
-        return { x: x + cos * along - r, y: y - sin * along - r, width: 2 * r, height: 2 * r };
+        // Beside a body without a name, that of another would be taken for its own.
+        const by = r + (plan.querySelector(`[data-body="${number}"] > text`) ? 0 : 8);
+        return { x: x + cos * along - by, y: y - sin * along - by, width: 2 * by, height: 2 * by };
       });
     });
     taken.push(...bodies);

@@ -274,7 +274,8 @@
     if (ring) [ring.mark] = marks;
     if (shot.patch) stage.add(...frame(shot.patch));
     look(box);
-    caption.textContent = shot.caption;
+    // A number stays on a line with its unit.
+    caption.textContent = shot.caption.replace(/(\d) (s|m)\b/g, '$1\u00a0$2');
     for (const tab of tabs.children) {
       tab.setAttribute('aria-selected', Number(tab.value) === number);
     }

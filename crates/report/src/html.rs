@@ -46,9 +46,10 @@ pub(crate) fn span(low: f64, high: f64) -> String {
     if low == high { high } else { format!("{low}–{high}") }
 }
 
-/// Markup in which a number stays on a line with its unit, and with its error.
+/// Markup in which a number stays on a line with its unit, its error, and what it is below.
 fn glued(markup: &str) -> String {
-    const UNITS: [&str; 10] = ["%", "m/s²", "m/s", "ms", "mm", "kJ", "kg", "s", "m", "±"];
+    const UNITS: [&str; 12] =
+        ["%", "m/s²", "m/s", "ms", "mm", "kJ", "kg", "s", "m", "±", "σ", "× as given"];
     let mut out = String::with_capacity(markup.len());
     let mut rest = markup;
     let is_digit = |c: char| c.is_ascii_digit();
@@ -57,8 +58,10 @@ fn glued(markup: &str) -> String {
             let next = after.strip_prefix(*unit);
             next.is_some_and(|next| !next.starts_with(|c: char| c.is_alphanumeric() || c == '='))
         };
-        let is_one =
-            before.ends_with(is_digit) && UNITS.iter().any(is_unit) || before.ends_with('±');
+        let is_sign = before.ends_with('±')
+            || (before.ends_with("&lt;") || before.ends_with("&gt;"))
+                && after.starts_with(is_digit);
+        let is_one = before.ends_with(is_digit) && UNITS.iter().any(is_unit) || is_sign;
         out.push_str(before);
         out.push(if is_one { '\u{a0}' } else { ' ' });
         rest = after;
@@ -117,7 +120,9 @@ mod tests {
                 "after 2.31\u{a0}s, 3\u{a0}m; 5\u{a0}m/s (1\u{a0}m/s²)",
             ),
             ("0.51 ± 0.03 %", "0.51\u{a0}±\u{a0}0.03\u{a0}%"),
+            ("0 % against &lt; 0.01 %", "0\u{a0}% against &lt;\u{a0}0.01\u{a0}%"),
             ("3 ways, 2 suvs, 1 map", "3 ways, 2 suvs, 1 map"),
+            ("2 σ, 1.3 × as given, 3 × why", "2\u{a0}σ, 1.3\u{a0}× as given, 3 × why"),
             ("<line x1=\"1 2\" s=\"3\"/>", "<line x1=\"1 2\" s=\"3\"/>"),
         ];
         for (markup, expected) in cases {

@@ -1,6 +1,6 @@
 //! The bodies and contacts of a ranking as plain values: a shot of each contact.
 
-use crate::plan::in_words;
+use crate::plan::{apart, in_words};
 use crate::shot::{Shot, ShotBody, ShotPatch};
 use trolley::bodies::Bodies;
 use trolley::plan::{PlanCourse, PlanNearest, PlanScene};
@@ -54,7 +54,7 @@ fn nearest_shot(scene: &PlanScene, row: &CourseRow, nearest: &PlanNearest) -> Sh
     let other = party(scene, nearest.party);
     let name = format!("{}: nearest to {other}, {:.2} s", row.name, nearest.time_s);
     Shot {
-        caption: format!("{name}: {:.2} m apart in plan. Nothing touches.", nearest.gap_m),
+        caption: format!("{name}: {} apart in plan. Nothing touches.", apart(nearest.gap_m)),
         name,
         candidate: row.name.clone(),
         bodies: nearest.scene.models,

@@ -57,6 +57,11 @@ fn bdi(text: &str) -> String {
     format!("<bdi>{}</bdi>", name(text))
 }
 
+/// How far apart two bodies are that do not touch: never 0.
+pub(crate) fn apart(gap_m: f64) -> String {
+    if gap_m < 0.005 { "under 0.01 m".to_owned() } else { format!("{gap_m:.2} m") }
+}
+
 /// At most so many letters.
 fn cut(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
@@ -77,7 +82,7 @@ fn folded(text: &str, count: usize, what: &str) -> String {
     if count <= 4 {
         return format!(" {text}");
     }
-    format!("<details><summary>{count} more are {what}</summary>{text}</details>")
+    format!("<details><summary>{count} more {what}</summary>{text}</details>")
 }
 
 /// What the page says of its first candidate, and whether that does least harm for all that is

@@ -11,6 +11,7 @@ use gather::{Gathered, Worst};
 use std::path::{Path, PathBuf};
 use trolley::{Engine, Failure, FailureKind, Limits, Record, References, Scenario, files};
 
+mod figures;
 mod gather;
 mod maps;
 mod page;

@@ -106,8 +106,8 @@ pub fn read(file: &str, text: &str, options: &ReadOptions<'_>) -> Result<Recordi
             "a planner's solution, which says nothing of anybody but the ego",
             "give the scenario that it solves, and this file with --solution",
         )),
-        other => Err(root.fault(
-            format!("this is <{other}>, not CommonRoad"),
+        _ => Err(root.fault(
+            "not CommonRoad",
             "give a <commonRoad> file of version 2018b or 2020a, or a trace: .osi, .mcap, .csv",
         )),
     }

@@ -60,7 +60,8 @@ pub(crate) fn entry<'l>(library: &'l Library, kind: &str) -> Result<&'l Entry, S
     })
 }
 
-/// What these obstacles are called: type and id, as letters that fit a table, each name once.
+/// What these obstacles are called: type and id, as letters that fit a table, each name once. An id
+/// that begins with the type is enough.
 pub(crate) fn names(
     recording: &Recording,
     whom: impl Iterator<Item = usize>,
@@ -70,7 +71,8 @@ pub(crate) fn names(
         let obstacle = &recording.others[whom];
         let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let id: String = obstacle.id.chars().take(20).map(plain).collect();
-        let mut name = format!("{} {id}", obstacle.kind);
+        let says_kind = id.starts_with(obstacle.kind.as_str());
+        let mut name = if says_kind { id } else { format!("{} {id}", obstacle.kind) };
         if names.iter().any(|(index, taken)| *index != whom && *taken == name) {
             name = format!("{name} ({whom})");
         }

@@ -36,6 +36,7 @@ pub(super) fn read(
     let buffers = buffers::load(&root, blob, resolve, into)?;
     let source = Source { root: &root, buffers: &buffers };
     let (mut stack, mut visited) = (start(&root, into)?, vec![false; root.nodes.len()]);
+    let mut has_mesh = false;
     // Depth first, children in file order.
     while let Some(step) = stack.pop() {
         let place = || FilePosition::Element(format!("node {}", step.node));
@@ -57,6 +58,7 @@ pub(super) fn read(
         let mut names = step.names;
         names.extend(node.name.clone());
         if let Some(mesh) = node.mesh {
+            has_mesh = true;
             add_mesh(&source, step.node, mesh.value(), &matrix, &names, into)?;
         }
         for child in node.children.iter().flatten().rev() {
@@ -65,8 +67,12 @@ pub(super) fn read(
         }
     }
     if into.corners.is_empty() {
-        let (nodes, meshes) = (root.nodes.len(), root.meshes.len());
-        let fault = MeshDefect::Empty(format!(": {nodes} nodes, {meshes} meshes"));
+        let what = match (root.meshes.is_empty(), has_mesh) {
+            (true, _) => ": it has no mesh",
+            (_, false) => ": no node of its scene has a mesh",
+            _ => ": its meshes are points or lines, or empty",
+        };
+        let fault = MeshDefect::Empty(what.to_owned());
         return Err(into.fail(FilePosition::Whole, fault));
     }
     Ok(())

@@ -53,7 +53,9 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
         let what = match (vertices, scan.lines) {
             (0, _) if text.trim().is_empty() => ": the file is empty".to_owned(),
             (0, _) => ": no line of it is a vertex (v) or a face (f) of Wavefront OBJ".to_owned(),
+            (1, 0) => ": 1 vertex without faces".to_owned(),
             (_, 0) => format!(": a point cloud of {vertices} vertices without faces"),
+            (_, 1) => ": 1 line without faces".to_owned(),
             (_, lines) => format!(": {lines} lines without faces"),
         };
         return Err(into.fail(FilePosition::Whole, MeshDefect::Empty(what)));

@@ -52,7 +52,12 @@ pub(super) fn read(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportE
         }
     }
     if faces.is_empty() {
-        let fault = MeshDefect::Empty(format!(": {} vertices without faces", points.len()));
+        let what = match points.len() {
+            0 => ": neither vertices nor faces".to_owned(),
+            1 => ": 1 vertex without faces".to_owned(),
+            count => format!(": {count} vertices without faces"),
+        };
+        let fault = MeshDefect::Empty(what);
         return Err(into.fail(FilePosition::Whole, fault));
     }
     add(&faces, &points, part, into)

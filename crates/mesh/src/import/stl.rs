@@ -108,7 +108,11 @@ fn ascii(bytes: &[u8], into: &mut Collector<'_>) -> Result<(), ImportError> {
         solid.read(into)?;
     }
     if into.corners.is_empty() {
-        let fault = MeshDefect::Empty(format!(": {number} empty solids"));
+        let what = match number {
+            1 => ": its solid is empty".to_owned(),
+            number => format!(": its {number} solids are empty"),
+        };
+        let fault = MeshDefect::Empty(what);
         return Err(into.fail(FilePosition::Whole, fault));
     }
     Ok(())

@@ -125,11 +125,13 @@ fn still(page: &PlanPage<'_>, shot: &Shot) -> Option<String> {
     ))
 }
 
-/// Everybody's risk over all contacts.
+/// Everybody's risk over all contacts: of members these are means, and contacts are of the scene as
+/// stated.
 fn all_contacts(row: &CourseRow, body: &mut String) {
     let (harmed, unharmed): (Vec<_>, Vec<_>) =
         row.persons.iter().partition(|one| one.work.hi() > 0.0 || one.range.high() > 0.0);
-    body.push_str("<div class=\"together\"><p><b>All contacts together</b></p>");
+    let of = if row.expected.is_some() { ", in the mean over members" } else { "" };
+    let _w = write!(body, "<div class=\"together\"><p><b>All contacts together{of}</b></p>");
     for one in &harmed {
         let [work, range] = [[one.work.lo(), one.work.hi()], [one.range.low(), one.range.high()]];
         risk(who(&one.party, one.seat), work, range, "", body);

@@ -2,7 +2,7 @@
 //! other, bodies, a scale bar.
 
 use super::labels::{TakenRoom, UNDER};
-use super::{cut, name, spread};
+use super::{apart, cut, name, spread};
 use serde::Serialize;
 use std::fmt::Write as _;
 use trolley::plan::{PlanCourse, PlanSample, PlanScene};
@@ -396,7 +396,7 @@ fn said(scene: &PlanScene, window: &PlanWindow, k: usize, room: &mut TakenRoom, 
         );
         room.take_line(&[from, to]);
         let at = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
-        let text = format!("{:.2} s, {:.2} m to", nearest.time_s, nearest.gap_m);
+        let text = format!("{:.2} s, {} to", nearest.time_s, apart(nearest.gap_m));
         let who = &scene.parties[nearest.party].name;
         if window.holds(at) {
             label(window, at, &text, who, "near", room, out);

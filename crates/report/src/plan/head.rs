@@ -1,7 +1,6 @@
 //! The answer in words, before everything else.
 
-use super::{PlanPage, bdi, folded, name};
-use crate::html::percent;
+use super::{PlanPage, apart, bdi, folded, name};
 use std::fmt::Write as _;
 use trolley::{Answer, AnswerState, CourseRow};
 
@@ -137,15 +136,16 @@ pub(super) fn head(
     if !ties.is_empty() {
         let tied = answer.ranking.iter().filter(|row| answer.tie_class.contains(&row.name));
         let is_same = |row: &CourseRow| first.is_some_and(|first| is_equal(row, first));
-        let begins = if tied.clone().all(|row| row.range.high() == 0.0) {
-            "These do no harm either"
+        let (begins, what) = if tied.clone().all(|row| row.range.high() == 0.0) {
+            ("These do no harm either", "do no harm either")
         } else if tied.clone().all(is_same) {
-            "As far as is known these are the same"
+            ("As far as is known these are the same", "are the same as far as is known")
         } else {
-            "With each one's doubts at their ends these could be as good"
+            let begins = "With each one's doubts at their ends these could be as good";
+            (begins, "could be as good: their ranges overlap with its own")
         };
         let said = format!("{begins}: {}.", ties.join("; "));
-        sure.push_str(&folded(&said, ties.len(), "whose ranges overlap with its own"));
+        sure.push_str(&folded(&said, ties.len(), what));
     }
     let won = first.and_then(|row| row.expected.as_ref()?.worlds);
     // Who touches nobody in any member does no harm in any world, and one alone always wins.
@@ -159,17 +159,7 @@ pub(super) fn head(
         );
     }
     if let Some(lead) = answer.members.as_ref().and_then(|members| members.lead) {
-        let (mean, error) = (percent(lead.mean), percent(lead.error));
-        let chance = if lead.is_close() { "may be chance" } else { "more than chance" };
-        if lead.mean == 0.0 && lead.error == 0.0 {
-            sure.push_str(" The second is as good in every member.");
-        } else {
-            let _w = write!(
-                sure,
-                " In the mean over members the second has {mean} ± {error} percentage points more \
-                 harm: {chance}."
-            );
-        }
+        let _w = write!(sure, " {}", ahead(lead.mean, lead.error, lead.is_close()));
     }
     say("How sure", sure);
     if let Some(first) = first {
@@ -197,6 +187,28 @@ pub(super) fn head(
     }
     assumed(&answer.assumptions, body);
     body.push_str("</header>");
+}
+
+/// By how much the first is ahead of the second, and how sure that is.
+pub(super) fn ahead(mean: f64, error: f64, is_close: bool) -> String {
+    if mean == 0.0 && error == 0.0 {
+        return "The second is as good in every member.".to_owned();
+    }
+    // As many digits as tell the error.
+    let [mean_points, error_points] = [100.0 * mean.abs(), 100.0 * error];
+    let digits =
+        if error > 0.0 { (1.0 - error_points.log10().floor()).clamp(2.0, 6.0) } else { 2.0 };
+    let digits = digits as usize;
+    let by = format!("{mean_points:.digits$} ± {error_points:.digits$} percentage points");
+    let than = if mean < 0.0 { "less" } else { "more" };
+    let chance = if is_close {
+        "less than its sampling error, and may be chance".to_owned()
+    } else if error > 0.0 {
+        format!("{:.1} times its sampling error", mean.abs() / error)
+    } else {
+        "the same in every member".to_owned()
+    };
+    format!("In the mean over members the second has {by} {than} harm: {chance}.")
 }
 
 /// What is not known; what is the same of several ways is said once.
@@ -267,20 +279,23 @@ pub(super) fn happens(row: &CourseRow) -> String {
         ([], None) => "It touches nobody until the end of its way: proven for every triangle and \
                        every time."
             .to_owned(),
+        ([], Some(0.0)) => "It is not known what happens.".to_owned(),
         ([], Some(from_s)) => format!("After {from_s:.2} s it is not known what happens."),
         (contacts, _) => {
-            let said = contacts
-                .iter()
-                .map(|contact| format!("{} after {:.2} s", bdi(&contact.party), contact.time_s));
+            let said = contacts.iter().enumerate().map(|(at, contact)| {
+                let is_again = at > 0 && contacts[at - 1].party == contact.party;
+                let whom = if is_again { "again".to_owned() } else { bdi(&contact.party) };
+                format!("{whom} after {:.2} s", contact.time_s)
+            });
             format!("It meets {}.", said.collect::<Vec<_>>().join(", then "))
         }
     };
     if let Some(near) = row.nearest.as_ref().filter(|_| row.contacts.is_empty()) {
         let _w = write!(
             text,
-            " It comes nearest to {}: {:.2} m in plan at {:.2} s.",
+            " It comes nearest to {}: {} in plan at {:.2} s.",
             bdi(&near.party),
-            near.gap_m,
+            apart(near.gap_m),
             near.time_s
         );
     }

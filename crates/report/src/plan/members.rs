@@ -1,7 +1,7 @@
 //! What members say of each candidate: a strip of its harm in all of them.
 
 use super::{bdi, share};
-use crate::html::{chart, percent};
+use crate::html::{chart, percent, span};
 use std::fmt::Write as _;
 use trolley::{Answer, CourseRow, ExpectedRow, MemberRow};
 
@@ -40,6 +40,15 @@ pub(super) fn harm(row: &CourseRow) -> String {
     }
 }
 
+/// A share of members or worlds in whole percents; neither none nor all is said where it is not so.
+pub(super) fn of_all(share: f64) -> String {
+    match share {
+        share if 0.0 < share && share < 0.005 => "&lt; 1 %".to_owned(),
+        share if (0.995..1.0).contains(&share) => "&gt; 99 %".to_owned(),
+        share => format!("{:.0} %", 100.0 * share),
+    }
+}
+
 /// A strip for each candidate that harms anybody in some member, and one line about the others.
 pub(super) fn members(answer: &Answer, rows: &[(usize, &CourseRow)], body: &mut String) {
     let Some(members) = &answer.members else { return };
@@ -70,7 +79,7 @@ pub(super) fn members(answer: &Answer, rows: &[(usize, &CourseRow)], body: &mut 
         );
     }
     for (row, of) in known.iter().filter(|(_, of)| !is_harmless(of)) {
-        strip(row, of, &colours, top, body);
+        strip(row, of, &colours, (top, rows.len() == 1), body);
     }
     let harmless: Vec<String> =
         known.iter().filter(|(_, of)| is_harmless(of)).map(|(row, _)| bdi(&row.name)).collect();
@@ -86,30 +95,38 @@ fn legend(colours: &Colours<'_>) -> String {
         .0
         .iter()
         .take(own)
-        .map(|party| format!("{} {}", chart::swatch(colours.of_party(party)), bdi(party)))
+        .map(|party| format!("<b>{} {}</b>", chart::swatch(colours.of_party(party)), bdi(party)))
         .collect();
     if colours.0.len() > own {
         let rest = colours.0.len() - own;
-        said.push(format!("{} {rest} others", chart::swatch(chart::colour_of(None))));
+        let what = if rest == 1 { "other" } else { "others" };
+        said.push(format!("<b>{} {rest} {what}</b>", chart::swatch(chart::colour_of(None))));
     }
-    said.push(format!("{} nobody", chart::swatch(chart::NOBODY)));
+    said.push(format!("<b>{} nobody</b>", chart::swatch(chart::NOBODY)));
     format!("<p class=\"key legend\">{}</p>", said.join(" "))
 }
 
-fn strip(row: &CourseRow, of: &ExpectedRow, colours: &Colours<'_>, top: f64, body: &mut String) {
+/// A strip under `top`; one that is alone is compared with nobody.
+fn strip(
+    row: &CourseRow,
+    of: &ExpectedRow,
+    colours: &Colours<'_>,
+    (top, is_alone): (f64, bool),
+    body: &mut String,
+) {
     let mut said = vec![format!("harm {} %", harm(row))];
     if let Some(spread) = of.spread {
         let [low, _, high] = spread.quantiles;
-        said.push(format!("5–95 %: {}–{} %", percent(low), percent(high)));
-        if spread.best > 0.0 {
-            said.push(format!("best in {:.0} %", 100.0 * spread.best));
+        said.push(format!("5–95 %: {} %", span(low, high)));
+        if spread.best > 0.0 && !is_alone {
+            said.push(format!("best in {}", of_all(spread.best)));
         }
         if spread.regret > 0.0 {
             said.push(format!("regret {} %", percent(spread.regret)));
         }
     }
-    if let Some(worlds) = of.worlds.filter(|worlds| *worlds > 0.0) {
-        said.push(format!("wins in {:.0} % of worlds", 100.0 * worlds));
+    if let Some(worlds) = of.worlds.filter(|worlds| *worlds > 0.0 && !is_alone) {
+        said.push(format!("wins in {} of worlds", of_all(worlds)));
     }
     let harmless = of.members.iter().filter(|member| member.harm == 0.0).count();
     if harmless > 0 {

@@ -20,6 +20,8 @@ pub(super) struct Canvas {
     taken: Vec<[f64; 4]>,
     /// Those of `taken` that labels have, which no line to another label crosses.
     labels: Vec<[f64; 4]>,
+    /// Those that lines to labels have, which others had better not cross.
+    leads: Vec<[f64; 4]>,
     letters: RasterHeight,
 }
 
@@ -27,7 +29,15 @@ impl Canvas {
     pub(super) fn new(size: [usize; 2], pixels: Vec<[f64; 3]>, is_shown: Vec<bool>) -> Self {
         debug_assert_eq!(pixels.len(), is_shown.len());
         let letters = if size[0] < LARGE { RasterHeight::Size20 } else { RasterHeight::Size32 };
-        Self { size, pixels, is_shown, taken: Vec::new(), labels: Vec::new(), letters }
+        Self {
+            size,
+            pixels,
+            is_shown,
+            taken: Vec::new(),
+            labels: Vec::new(),
+            leads: Vec::new(),
+            letters,
+        }
     }
 
     /// How large marks are, beside those of a small picture.
@@ -147,18 +157,18 @@ impl Canvas {
             let end = [x.clamp(room[0], room[2]), y.clamp(room[1], room[3])];
             let away = f64::hypot(end[0] - x, end[1] - y);
             // It begins where the label would lie if there were room, and ends before its letters.
-            let [from, to] = [(by - 8.0) / away, (away - 3.0) / away];
+            let [from, to] = [(by - 8.0) / away, (away - 0.3 * height) / away];
             (away > by + 1.5 * height).then(|| {
                 [from, to].map(|share| [x + share * (end[0] - x), y + share * (end[1] - y), 0.0])
             })
         };
-        let is_clear = |room: &[f64; 4]| {
-            lead(room).is_none_or(|[a, b]| {
+        let crosses = |room: &[f64; 4], what: &[[f64; 4]]| {
+            lead(room).is_some_and(|[a, b]| {
                 let mut points = (0..=64).map(|step| {
                     let share = f64::from(step) / 64.0;
                     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
                 });
-                points.all(|[p, q]| {
+                points.any(|[p, q]| {
                     // A line is two pixels wide.
                     let holds = |label: &[f64; 4]| {
                         label[0] - 3.0 <= p
@@ -166,18 +176,26 @@ impl Canvas {
                             && label[1] - 3.0 <= q
                             && q <= label[3] + 2.0
                     };
-                    !self.labels.iter().any(holds)
+                    what.iter().any(holds)
                 })
             })
         };
         // The first of those that are equally good is the nearest.
-        let free = tries.map(inside).filter(is_free).filter(is_clear);
-        let room = free.min_by_key(|room| self.shown(room))?;
+        let free = tries.map(inside).filter(is_free);
+        let free = free.filter(|room| !crosses(room, &self.labels));
+        // Lines that cross are as bad as a quarter of the label on what is looked at.
+        let crossing = (0.25 * width * height) as usize;
+        let cost = |room: &[f64; 4]| {
+            self.shown(room) + if crosses(room, &self.leads) { crossing } else { 0 }
+        };
+        let room = free.min_by_key(cost)?;
         self.taken.push(room);
         self.labels.push(room);
         if let Some([from, to]) = lead(&room) {
             self.line(from, to, colour);
+            let before = self.taken.len();
             self.keep_clear(from, to);
+            self.leads.extend_from_slice(&self.taken[before..]);
         }
         self.write(&letters, [room[0], room[1]], colour);
         Some(room)
@@ -277,6 +295,19 @@ mod tests {
             count += rooms.len();
         }
         assert!(count > 100, "{count}");
+    }
+
+    #[test]
+    fn a_line_to_a_label_does_not_cross_another_line() {
+        // A body, and little of it at its upper edge: that label would have the shortest line.
+        let mut canvas = canvas(|[x, y]| (60..240).contains(&x) && (70..190).contains(&y));
+        canvas.label([150.0, 150.0], 10.0, "ego", [1.0, 0.0, 0.0]).expect("room");
+        assert!(!canvas.leads.is_empty(), "a line leads to it");
+        let before = canvas.pixels.clone();
+        canvas.label([170.0, 110.0], 10.0, "car 203", [2.0, 0.0, 0.0]).expect("room");
+        let is_line = |pixel: &[f64; 3]| *pixel == [1.0, 0.0, 0.0];
+        let lost = before.iter().zip(&canvas.pixels).filter(|(a, b)| is_line(a) && a != b);
+        assert_eq!(lost.count(), 0, "nothing is drawn over the first line");
     }
 
     #[test]

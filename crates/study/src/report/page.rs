@@ -1,6 +1,7 @@
 //! The markup of a study's page: it fetches nothing, and links to records beside it alone.
 
 use super::Recorded;
+use super::figures::{in_words, of_share, percent, points, thousands};
 use super::gather::{Gathered, Judged, NOBODY, Regret};
 use super::maps;
 use crate::knob::SweepKnob;
@@ -17,10 +18,12 @@ const MAPPED: usize = 12;
 
 const STYLE: &str = ".map text{font-size:11px} .maps{display:flex;flex-wrap:wrap;gap:10px} \
     .map{max-width:100%;height:auto} .key{margin:4px 0 12px} .legend i{display:inline-block;\
-    width:.9em;height:.9em;margin:0 4px 0 12px;border:1px solid #888;vertical-align:-.1em} \
+    width:.9em;height:.9em;margin:0 4px 0 0;border:1px solid #888;vertical-align:-.1em} \
+    .legend b{font-weight:400;display:inline-block;margin-right:12px} \
     td.zero{color:#999} td.wins{min-width:17em} .lead{font-size:1.08rem} \
     .heat td.n{min-width:4.4em} th.r{text-align:right} \
-    @media screen and (max-width:800px){table{font-size:.78rem} th,td{padding:3px 4px}}";
+    @media screen and (max-width:800px){table{font-size:.72rem} th,td{padding:3px} \
+    td.wins{min-width:11em} .heat td.n{min-width:0}}";
 
 /// The page.
 pub(super) fn page(plan: &Plan, gathered: &Gathered, worst: &[Recorded], out: &Path) -> String {
@@ -97,32 +100,6 @@ fn other_curves(plan: &Plan, gathered: &Gathered) -> String {
     text
 }
 
-fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// A share in percent.
-fn percent(part: u64, all: u64) -> String {
-    if all == 0 { "–".to_owned() } else { of_share(part as f64 / all as f64) }
-}
-
-fn of_share(share: f64) -> String {
-    match 100.0 * share {
-        0.0 => "0 %".to_owned(),
-        p if p < 0.01 => "&lt; 0.01 %".to_owned(),
-        p if p < 10.0 => format!("{p:.2} %"),
-        p => format!("{p:.1} %"),
-    }
-}
-
 fn mean(sum: (f64, u64)) -> Option<f64> {
     (sum.1 > 0).then(|| sum.0 / sum.1 as f64)
 }
@@ -139,23 +116,6 @@ fn head(words: &[&str]) -> String {
 /// The heads of columns of numbers.
 fn heads(words: &[&str]) -> String {
     words.iter().map(|word| format!("<th class=\"r\">{}</th>", escape(word))).collect::<String>()
-}
-
-/// A number of percentage points; what is no more than half of the last digit is not 0.
-fn points(value: f64, digits: usize) -> String {
-    let said = format!("{:.digits$}", value.abs());
-    let sign = if value < 0.0 { "−" } else { "" };
-    match said.parse::<f64>() {
-        _ if value == 0.0 => "0".to_owned(),
-        Ok(0.0) => format!("{} 0", if value < 0.0 { "&lt;" } else { "&gt;" }),
-        _ => format!("{sign}{said}"),
-    }
-}
-
-/// The value of a knob in words: "reaction later 1.2 s".
-fn in_words(knob: SweepKnob, value: f64) -> String {
-    let (what, unit) = knob.says().rsplit_once(", ").unwrap_or((knob.says(), ""));
-    format!("{what} {} {unit}", maps::number(value)).trim_end().to_owned()
 }
 
 fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
@@ -195,14 +155,19 @@ fn lead(plan: &Plan, gathered: &Gathered, judges: &[String]) -> String {
             of_share(share)
         );
     }
-    let _w = write!(text, " {} answers were refused.</p>", thousands(refused));
+    let refused = match refused {
+        0 => "No answer was refused.".to_owned(),
+        1 => "1 answer was refused.".to_owned(),
+        count => format!("{} answers were refused.", thousands(count)),
+    };
+    let _w = write!(text, " {refused}</p>");
     if gathered.shards < plan.shards() {
         let _w = write!(
             text,
             "<p class=\"remark\">{} of {} shards are finished; the others are not on this \
              page.</p>",
-            gathered.shards,
-            plan.shards()
+            thousands(gathered.shards.into()),
+            thousands(plan.shards().into())
         );
     }
     text
@@ -465,7 +430,7 @@ fn winner_maps(plan: &Plan, gathered: &Gathered, judges: &[String], main: &[usiz
             let name = gathered.names[number].get(usize::from(code));
             let _w = write!(
                 text,
-                "<i style=\"background:{}\"></i>{}",
+                "<b><i style=\"background:{}\"></i>{}</b>",
                 maps::colour(code),
                 escape(name.map_or("", String::as_str))
             );
@@ -522,31 +487,4 @@ fn made(plan: &Plan, gathered: &Gathered, out: &Path) -> String {
         escape(&out.display().to_string()),
         escape(&file.spec)
     )
-}
-
-#[cfg(test)]
-mod tests {
-    //! Numbers of the page say what they are.
-
-    use super::*;
-
-    #[test]
-    fn zeros_are_zeros_and_nothing_else_is() {
-        let cases = [
-            (0.0, 4, "0"),
-            (0.000_02, 4, "&gt; 0"),
-            (-0.000_02, 4, "&lt; 0"),
-            (-0.0003, 4, "−0.0003"),
-            (88.23, 2, "88.23"),
-        ];
-        for (value, digits, expected) in cases {
-            assert_eq!(points(value, digits), expected);
-        }
-    }
-
-    #[test]
-    fn a_value_stands_before_its_unit() {
-        assert_eq!(in_words(SweepKnob::Reaction, 1.2), "reaction later 1.2 s");
-        assert_eq!(in_words(SweepKnob::Offset, -0.6), "ego further left −0.6 m");
-    }
 }

@@ -102,7 +102,7 @@ fn what_is_not_xml_or_another_xml_is_named() {
     let read = |text: &str| read("a.xml", text, &ReadOptions::default()).expect_err("refused");
     assert!(read("schema = 1").what.contains("not XML: it begins with \"schema = 1\""));
     assert!(read("").what.contains("not XML"));
-    assert!(read("<svg/>").what.contains("<svg>, not CommonRoad"));
+    assert!(read("<svg/>").what.contains("<svg>: not CommonRoad"));
     let deep = format!("<commonRoad>{}", "<a>".repeat(1_000_000));
     assert!(read(&deep).what.contains("more than 512 elements are nested"));
 }

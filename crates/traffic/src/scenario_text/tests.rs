@@ -387,10 +387,12 @@ fn maps_far_from_the_origin_are_moved_and_outlines_have_their_middle() {
 
 #[test]
 fn names_are_unique_and_short_enough() {
-    let mut recording = scene(vec![parked("a/b", [20.0, 0.0]), parked("a:b", [30.0, 0.0])]);
+    let parked =
+        [("a/b", 20.0), ("a:b", 30.0), ("car_x", 40.0)].map(|(id, x)| parked(id, [x, 0.0]));
+    let mut recording = scene(parked.into());
     recording.name = format!(" {}", "x".repeat(80));
     let (read, _) = made(&recording, &Manoeuvres::default());
     let names: Vec<&str> = read.parties.iter().map(|party| party.name.as_str()).collect();
-    assert_eq!(names, ["car a_b", "car a_b (1)", "ego"]);
+    assert_eq!(names, ["car a_b", "car a_b (1)", "car_x", "ego"]);
     assert_eq!(read.name, "x".repeat(60));
 }

@@ -217,6 +217,15 @@ fn every_number_is_checked() {
     let refused = collect(wrong.as_bytes(), &[("my plate.bin", &side)]).err().expect("refused");
     let help = diagnostic::Diagnostic::remedy(&refused).expect("a remedy");
     assert_eq!(help, "correct this number, or export the mesh again");
+    let bare = |rest: &str| {
+        let head = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}]"#;
+        fault(format!("{head}, {rest}}}").as_bytes())
+    };
+    assert_eq!(bare(r#""nodes": [{}]"#), "a.gltf: no triangle: it has no mesh");
+    let unused = r#""nodes": [{}], "meshes": [{"primitives": []}]"#;
+    assert_eq!(bare(unused), "a.gltf: no triangle: no node of its scene has a mesh");
+    let empty = r#""nodes": [{"mesh": 0}], "meshes": [{"primitives": []}]"#;
+    assert_eq!(bare(empty), "a.gltf: no triangle: its meshes are points or lines, or empty");
     assert_eq!(fault(b""), "a.gltf: no triangle: the file is empty");
     assert!(fault(b"glTF\x02\0\0\0\x05\0\0\0").starts_with("a.gltf: its header states 5 bytes"));
 }

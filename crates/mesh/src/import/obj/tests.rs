@@ -107,7 +107,7 @@ fn every_fault_has_its_line() {
         ("v 1 2 1e39\nf 1 2 3\n", "a.obj: line 5: coordinate inf is not finite"),
         ("v 1 2 3e6\nf 1 2 3\n", "a.obj: line 5: coordinate 3000000 m is beyond 1000000 m"),
         ("v 1 2 3 0\nf 1 2 3\n", "a.obj: line 5: the vertex has weight 0"),
-        ("l 1 2\n", "a.obj: no triangle: 1 lines without faces"),
+        ("l 1 2\n", "a.obj: no triangle: 1 line without faces"),
         ("", "a.obj: no triangle: a point cloud of 4 vertices without faces"),
     ];
     for (tail, expected) in cases {

@@ -89,7 +89,7 @@ fn every_fault_has_its_place() {
     let good = text(&[("a", one.clone()), ("b", one.clone())]);
     let cases = [
         ("", "a.stl: no triangle: the file is empty"),
-        ("solid a\nendsolid\n", "a.stl: no triangle: 1 empty solids"),
+        ("solid a\nendsolid\n", "a.stl: no triangle: its solid is empty"),
         ("solid a\n", "a.stl: the file ends inside solid \"a\""),
         ("solid a\nsolid b\n", "a.stl: line 2: a solid begins before the one before it ends"),
         ("solid a\nendsolid\nfacet\n", "a.stl: line 3: \"facet\" stands outside of a solid"),
