@@ -3,7 +3,7 @@
 //! Services and ports are made with the numbers that stand here, and their pools have the sizes
 //! that iceoryx2 0.10 computes from them (`service/static_config`).
 
-use super::{LISTENERS_MAX, NODES_MAX};
+use super::{DEAD_CHANNELS_MAX, LISTENERS_MAX, NODES_MAX};
 use protocol::public::{Ask, CLIENTS_MAX, Health, WireAnswer};
 
 /// Requests of a client that are worked on: one, and one that it gave up.
@@ -24,6 +24,13 @@ const HEADER_BYTES: usize = 192;
 /// What a node takes besides its pools (bytes), in whole pages: its connections, two at most, and
 /// what describes it. Measured: 16 KiB (`service/tests.rs`).
 const NODE_BYTES: usize = 32 << 10;
+/// Connections of those that have gone, at most. The server keeps its end until it next takes a
+/// request or publishes on that topic, and a ranking may be long in coming; meanwhile, others take
+/// their places. What it has not seen of these goes with them. Connections of the killed stay, too,
+/// until they are [so many](DEAD_CHANNELS_MAX).
+const GONE_CONNECTIONS: usize = 2 * CLIENTS_MAX + 2 * LISTENERS_MAX + DEAD_CHANNELS_MAX;
+/// What a connection takes (bytes), in whole pages: measured 4 KiB.
+const CONNECTION_BYTES: usize = 8 << 10;
 /// What the services themselves take (bytes): measured 80 KiB.
 const SERVICES_BYTES: usize = 128 << 10;
 
@@ -43,13 +50,15 @@ pub const fn shared_bytes() -> usize {
         + pool(samples, size_of::<WireAnswer>())
         + pool(samples, size_of::<Health>())
         + NODES_MAX * NODE_BYTES
+        + GONE_CONNECTIONS * CONNECTION_BYTES
         + SERVICES_BYTES
 }
 
 /// Segments that a service has at most, with its clients and listeners: its pools of answers,
 /// rankings and health, what its four services, its bell and its nodes have in common; of each
-/// client a pool and two connections, of each listener two connections.
+/// client a pool and two connections, of each listener two connections; and as many connections of
+/// those that were there before them, and of the killed.
 #[must_use]
 pub const fn shared_segments() -> usize {
-    3 + 4 + 1 + 1 + 3 * CLIENTS_MAX + 2 * LISTENERS_MAX
+    3 + 4 + 1 + 1 + 3 * CLIENTS_MAX + 2 * LISTENERS_MAX + GONE_CONNECTIONS
 }

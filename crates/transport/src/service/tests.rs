@@ -269,28 +269,52 @@ fn a_request_that_finds_no_room_is_not_sent() {
     assert_eq!(pending.receive().unwrap(), Some(refused(9)));
 }
 
-/// What the service computes for a deployment is what there is when everybody is connected.
+/// What the service computes for a deployment is what there is when everybody is connected, and
+/// those before them have gone unnoticed.
 // verifies REQ-BOUNDED-RESOURCES
 #[test]
 fn a_service_shares_what_is_computed_with_every_client_and_listener() {
     use std::os::unix::fs::MetadataExt as _;
     let scene = Scene::new();
     let server = Server::open(&scene.address).unwrap();
-    let clients = (0..CLIENTS_MAX).map(|_| ClientPort::open(&scene.address).unwrap());
-    let clients: Vec<_> = clients.collect();
-    let listeners = (0..LISTENERS_MAX).map(|_| TopicSubscriber::open(&scene.address).unwrap());
-    let listeners: Vec<_> = listeners.collect();
-    // Only with a request of each are all channels open at both ends.
-    let asked: Vec<_> = clients.iter().map(|client| client.ask(&numbered(1)).unwrap()).collect();
-    while server.take().unwrap().is_some() {}
-    server.publish_ranking(&refused(0));
-    let files = scene.left();
-    let taken = |file: &String| std::fs::symlink_metadata(file).map_or(0, |at| at.blocks() * 512);
-    let bytes: u64 = files.iter().map(taken).sum();
-    let bound = shared_bytes() as u64;
-    assert!(bytes <= bound && bound <= bytes + bytes / 4, "{bytes} bytes of {bound}");
-    let endings = [".data", ".connection", ".dynamic", ".event_mgmt", ".global_mgmt"];
-    let is_segment = |file: &&String| endings.iter().any(|ending| file.ends_with(ending));
-    assert_eq!(files.iter().filter(is_segment).count(), shared_segments());
-    drop((asked, clients, listeners, server));
+    let everybody = || {
+        let clients = (0..CLIENTS_MAX).map(|_| ClientPort::open(&scene.address).unwrap());
+        let clients: Vec<_> = clients.collect();
+        let listeners = (0..LISTENERS_MAX).map(|_| TopicSubscriber::open(&scene.address).unwrap());
+        let listeners: Vec<_> = listeners.collect();
+        // Only with a request of each are all channels open at both ends.
+        let asked = clients.iter().map(|client| client.ask(&numbered(1)).unwrap());
+        (asked.collect::<Vec<_>>(), clients, listeners)
+    };
+    let look = || {
+        while server.take().unwrap().is_some() {}
+        server.publish_ranking(&refused(0));
+        server.publish_health(&bytemuck::Zeroable::zeroed());
+    };
+    let taken = || {
+        let files = scene.left();
+        let blocks = |file: &String| std::fs::symlink_metadata(file).map_or(0, |at| at.blocks());
+        let endings = [".data", ".connection", ".dynamic", ".event_mgmt", ".global_mgmt"];
+        let is_segment = |file: &&String| endings.iter().any(|ending| file.ends_with(ending));
+        let bytes = files.iter().map(blocks).sum::<u64>() * 512;
+        (files.iter().filter(is_segment).count(), bytes)
+    };
+    let first = everybody();
+    look();
+    let connected = taken().0;
+    drop(first);
+    // Whoever comes and goes while the server does not look leaves nothing more.
+    for _ in 0..3 {
+        let unseen = everybody();
+        let (segments, bytes) = taken();
+        let bound = shared_bytes() as u64;
+        assert!(bytes <= bound && bound <= bytes + bytes / 4, "{bytes} bytes of {bound}");
+        // Channels of killed clients are another test's.
+        assert_eq!(segments + DEAD_CHANNELS_MAX, shared_segments());
+        drop(unseen);
+    }
+    let last = everybody();
+    look();
+    assert_eq!(taken().0, connected);
+    drop((last, server));
 }
