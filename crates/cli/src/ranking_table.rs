@@ -213,11 +213,10 @@ pub(crate) fn members(count: u32, replaced: u32, injured: Option<f64>) -> String
 /// How sure the first place is, if the second is known to be worse by so much, give or take its
 /// sampling error.
 pub(crate) fn lead(mean: f64, error: f64) -> Option<String> {
-    let verdict = if mean.abs() < error { ", too close to call" } else { "" };
+    let close = if mean.abs() < error { ", too close to call" } else { "" };
     (error > 0.0).then(|| {
         format!(
-            "The second is {:.2} % worse in the mean, give or take {:.2} %: {:.1} times \
-             that{verdict}.",
+            "The second is {:.2} % worse in the mean, give or take {:.2} %: {:.1} times it{close}.",
             100.0 * mean,
             100.0 * error,
             mean.abs() / error

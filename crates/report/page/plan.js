@@ -89,9 +89,7 @@
       const count = Math.min(12, Math.max(1, Math.round(long / r)));
       return Array.from({ length: count + 1 }, (_, k) => {
         const along = (2 * k / count - 1) * Math.max(0, long - r);
-        // Beside a body without a name, that of another would be taken for its own.
-        const by = r + (plan.querySelector(`[data-body="${number}"] > text`) ? 0 : 8);
-        return { x: x + cos * along - by, y: y - sin * along - by, width: 2 * by, height: 2 * by };
+        return { x: x + cos * along - r, y: y - sin * along - r, width: 2 * r, height: 2 * r };
       });
     });
     taken.push(...bodies);

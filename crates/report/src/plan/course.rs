@@ -56,8 +56,10 @@ pub(super) fn courses(
     body.push_str("</details></section>");
 }
 
+/// What else is known, each remark once: contacts may have the same.
 fn remarks(row: &CourseRow, body: &mut String) {
-    for remark in &row.remarks {
+    let is_new = |at: usize, remark: &String| !row.remarks[..at].contains(remark);
+    for (_, remark) in row.remarks.iter().enumerate().filter(|(at, one)| is_new(*at, one)) {
         let _w = write!(body, "<p class=\"remark\">Note: {}.</p>", name(remark));
     }
 }
@@ -99,10 +101,14 @@ fn course(
         let [x, y] = run_out.velocity_m_s;
         let _w = write!(
             body,
-            "<p>Run-out from {:.2} s at {:.1} m/s: {:.1} m until it stands.</p>",
+            "<p>Run-out from {:.2} s at {:.1} m/s: {} until it stands.</p>",
             run_out.from_s,
             x.hypot(y),
-            run_out.length_m
+            if run_out.length_m < 0.05 {
+                "under 0.1 m".to_owned()
+            } else {
+                format!("{:.1} m", run_out.length_m)
+            }
         );
     }
     if row.contacts.len() > 1 {

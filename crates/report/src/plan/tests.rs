@@ -405,12 +405,14 @@ fn risks_over_all_contacts_say_that_they_are_means() {
         let row = answer.ranking.iter_mut().find(hits).expect("go on");
         row.contacts.truncate(1);
         row.contacts.push(row.contacts[0].clone());
+        row.remarks = vec!["a weak part".to_owned(), "a weak part".to_owned()];
         let (party, time_s) = (row.contacts[0].party.clone(), row.contacts[0].time_s);
         let page = made(&answer, &run, &scene);
         let (_, said) = page.split_once("<b>All contacts together").expect("two of them");
         assert_eq!(said.starts_with(", in the mean over members</b>"), is_mean);
         let met = format!("It meets <bdi>{party}</bdi> after {time_s:.2} s, then again after");
         assert!(page.contains(&met), "{met}");
+        assert_eq!(page.matches("Note: a weak part.").count(), 1);
     }
 }
 
