@@ -27,10 +27,20 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
+/// How many times as long an end may take: 1, but for a program that is built with
+/// `TROLLEY_SLOWNESS`, as `cargo x aarch64` builds one that is tried under an emulator. No setting
+/// of a program that is built changes it.
+const SLOWNESS: u64 = match option_env!("TROLLEY_SLOWNESS") {
+    None => 1,
+    Some(text) => match u64::from_str_radix(text, 10) {
+        Ok(times) => times,
+        Err(_) => panic!("TROLLEY_SLOWNESS is no number"),
+    },
+};
 /// How long a process may take to end in order (ns).
-const PATIENCE_NS: u64 = 1_600_000_000;
+const PATIENCE_NS: u64 = SLOWNESS * 1_600_000_000;
 /// When the kernel ends it, whatever the guard itself does (ns).
-const KILL_NS: u64 = 1_900_000_000;
+const KILL_NS: u64 = SLOWNESS * 1_900_000_000;
 /// Signals so soon after the first (ns) are the same wish: a terminal that closes sends two.
 const SAME_NS: u64 = 100_000_000;
 /// What the thread needs, and more: locked memory counts all of it.
