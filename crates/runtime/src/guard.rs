@@ -38,9 +38,9 @@ const SLOWNESS: u64 = match option_env!("TROLLEY_SLOWNESS") {
     },
 };
 /// How long a process may take to end in order (ns).
-const PATIENCE_NS: u64 = SLOWNESS * 1_600_000_000;
+const PATIENCE_NS: u64 = 1_600_000_000;
 /// When the kernel ends it, whatever the guard itself does (ns).
-const KILL_NS: u64 = SLOWNESS * 1_900_000_000;
+const KILL_NS: u64 = 1_900_000_000;
 /// Signals so soon after the first (ns) are the same wish: a terminal that closes sends two.
 const SAME_NS: u64 = 100_000_000;
 /// What the thread needs, and more: locked memory counts all of it.
@@ -151,12 +151,12 @@ fn watch(fd: &OwnedFd, disarm: &EventFd, timer: &KillTimer, clean: fn()) {
     first_of_all();
     let Some(number) = wait(fd, disarm, None) else { return };
     let first_ns = clock::now_ns();
-    timer.arm(KILL_NS);
+    timer.arm(SLOWNESS * KILL_NS);
     SIGNAL.store(number, Ordering::Release);
     if let Some(told) = TOLD.get() {
         told.notify();
     }
-    let end_ns = first_ns + PATIENCE_NS;
+    let end_ns = first_ns + SLOWNESS * PATIENCE_NS;
     while IS_HEARD.load(Ordering::Acquire) {
         let now_ns = clock::now_ns();
         if now_ns >= end_ns || wait(fd, disarm, Some(end_ns - now_ns)).is_none() {
