@@ -45,6 +45,7 @@ fn a_service_at_its_limits_takes_no_more_than_is_computed_and_not_far_less() {
     let footprint = computed(&file);
     let serving = serve(Path::new(&file), &[]);
     let pid = serving.child.id();
+    let alone = folder(shared.path()).0;
     let scenario = place.write("largest.toml", &largest_request(2000, MEMBERS));
     let arguments = |verb: &str| {
         let mut command = trolley();
@@ -62,7 +63,8 @@ fn a_service_at_its_limits_takes_no_more_than_is_computed_and_not_far_less() {
         .collect();
     let (mut service, mut worker) = (Taken::default(), Taken::default());
     let (mut segments, mut bytes) = (0, 0);
-    let all = footprint["segments"].as_u64().unwrap();
+    // Of a client a pool and two connections, of a listener two connections.
+    let connected = alone + 15 * 3 + 16 * 2;
     let mut look = || {
         service.look(pid);
         children(pid).iter().for_each(|pid| worker.look(*pid));
@@ -71,7 +73,7 @@ fn a_service_at_its_limits_takes_no_more_than_is_computed_and_not_far_less() {
         segments
     };
     // All but one client, which asks now. Some may have had their answers by then.
-    wait_for(3_000, || (look() + 8 >= all).then_some(()));
+    wait_for(3_000, || (look() + 5 >= connected).then_some(()));
     // Complete, degraded at its deadline, or one too many on a busy machine: each takes memory.
     let output = serving.query(&scenario, &["--json"]);
     let code = output.status.code();
@@ -84,7 +86,8 @@ fn a_service_at_its_limits_takes_no_more_than_is_computed_and_not_far_less() {
     serving.end();
 
     let [of_service, of_worker] = [0, 1].map(|process| &footprint["processes"][process]);
-    assert!(segments <= all && bytes <= footprint["folder_bytes"].as_u64().unwrap());
+    assert_within("segments", segments, &footprint["segments"], 4);
+    assert!(bytes <= footprint["folder_bytes"].as_u64().unwrap());
     assert_within("descriptors", service.descriptors, &of_service["descriptors"], 3);
     assert_within("threads", service.threads, &of_service["threads"], 100);
     assert_within("memory", service.own_bytes, &of_service["own_bytes"], 4);

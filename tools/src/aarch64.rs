@@ -79,21 +79,20 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         write(&out, &page.to_string())?;
         Ok::<_, anyhow::Error>(page.is_well())
     };
-    let units = "unit tests of the pure crates".to_owned();
-    let whole = "tests of the whole program, and the exact oracle".to_owned();
-    let mut is_well = publish(&[], &[whole, units.clone()])?;
     let parts: &[Which] = match without {
         Some("tests") => &[],
         Some(_) => &[Which::Whole(options.pairs)],
-        None => &[Which::Whole(options.pairs), Which::Units],
+        None => &[Which::Units, Which::Whole(options.pairs)],
     };
-    for part in parts {
-        let later = match part {
-            Which::Whole(_) => Some(units.clone()),
-            Which::Units => {
-                suites::build_units(&root, &source, &mut built)?;
-                None
-            }
+    let all = [Which::Units, Which::Whole(options.pairs)].map(|part| part.to_string());
+    let mut is_well = publish(&[], &all)?;
+    for (number, part) in parts.iter().enumerate() {
+        if matches!(part, Which::Units) {
+            suites::build_units(&root, &source, &mut built)?;
+        }
+        let later: Vec<String> = match without {
+            Some(_) => vec![Which::Units.to_string()],
+            None => parts[number + 1..].iter().map(Which::to_string).collect(),
         };
         let mut left = suites::suites(&source, &built, *part)?.into_iter();
         while let Some(suite) = left.next() {
@@ -101,7 +100,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
             tell(&end.to_string())?;
             ended.push(end);
             let names = left.as_slice().iter().map(|suite| suite.name.clone());
-            is_well = publish(&ended, &names.chain(later.clone()).collect::<Vec<_>>())?;
+            let names: Vec<String> = names.chain(later.iter().cloned()).collect();
+            is_well = publish(&ended, &names)?;
         }
     }
     tell(&format!("written to {}", out.display()))?;

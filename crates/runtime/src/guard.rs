@@ -27,6 +27,16 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
+/// How many times as long an end may take: 1, but for a program that is built with
+/// `TROLLEY_SLOWNESS`, as `cargo x aarch64` builds one that is tried under an emulator. No setting
+/// of a program that is built changes it.
+const SLOWNESS: u64 = match option_env!("TROLLEY_SLOWNESS") {
+    None => 1,
+    Some(text) => match u64::from_str_radix(text, 10) {
+        Ok(times) => times,
+        Err(_) => panic!("TROLLEY_SLOWNESS is no number"),
+    },
+};
 /// How long a process may take to end in order (ns).
 const PATIENCE_NS: u64 = 1_600_000_000;
 /// When the kernel ends it, whatever the guard itself does (ns).
@@ -141,12 +151,12 @@ fn watch(fd: &OwnedFd, disarm: &EventFd, timer: &KillTimer, clean: fn()) {
     first_of_all();
     let Some(number) = wait(fd, disarm, None) else { return };
     let first_ns = clock::now_ns();
-    timer.arm(KILL_NS);
+    timer.arm(SLOWNESS * KILL_NS);
     SIGNAL.store(number, Ordering::Release);
     if let Some(told) = TOLD.get() {
         told.notify();
     }
-    let end_ns = first_ns + PATIENCE_NS;
+    let end_ns = first_ns + SLOWNESS * PATIENCE_NS;
     while IS_HEARD.load(Ordering::Acquire) {
         let now_ns = clock::now_ns();
         if now_ns >= end_ns || wait(fd, disarm, Some(end_ns - now_ns)).is_none() {

@@ -43,7 +43,9 @@ impl<'a> Page<'a> {
         f.write_str(
             "\n## Tests there\n\n\
              Optimised and without the laboratory, as the program ships; tests that need it are \
-             left out.\nWaits of tests are longer, by `TROLLEY_TEST_PATIENCE`.\n\n\
+             left out.\nWaits of tests are longer, by `TROLLEY_TEST_PATIENCE`, and the program, \
+             told to end, may take as many times longer\nbefore it is ended by force: it is built \
+             with `TROLLEY_SLOWNESS`, which what ships is not.\n\n\
              | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
         )?;
         for end in self.ended {

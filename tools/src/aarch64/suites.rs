@@ -8,23 +8,25 @@ use anyhow::{Context as _, Result, bail};
 use pure_crates::PURE;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Tests of the whole program: target, and the module of it that runs; what takes longest is last.
+/// Tests of the whole program: target, and the module of it that runs. A run may be broken off:
+/// first is what no comparison with this machine shows.
 const WHOLE: &[(&str, &str)] = &[
+    ("processes", "kill::"),
+    ("answers", "identical::"),
+    ("processes", "serve::"),
     ("answers", "oracle::"),
     ("answers", "record::"),
     ("files", "intersect::"),
-    ("processes", "serve::"),
-    ("processes", "kill::"),
-    ("answers", "identical::"),
 ];
 
 /// No suite takes longer than this (s): an emulator that hangs would take for ever.
 const LONGEST_S: u32 = 3_600;
 
-/// The times that tests wait for others, times this.
+/// How many times as long tests wait for others, and programs that are told to end may take.
 const PATIENCE: u32 = 20;
 
 /// One test program with a filter.
@@ -77,7 +79,7 @@ const fn without_laboratory(profile: &str) -> [&str; 5] {
 
 /// Builds the service and its client library for the target, one way or the other.
 pub(crate) fn build_program(root: &Root, source: &Path, how: &[&str]) -> Result<Built> {
-    build(root, source, &[&["cargo", "build"], how].concat())
+    build(root, source, &[&["cargo", "build"], how].concat(), how == PACKED)
 }
 
 impl Built {
@@ -93,7 +95,7 @@ pub(crate) fn build_whole(root: &Root, source: &Path) -> Result<Built> {
     for target in ["oracle", "answers", "files", "processes"] {
         words.extend(["--test", target]);
     }
-    build(root, source, &[&words, BUILD].concat())
+    build(root, source, &[&words, BUILD].concat(), false)
 }
 
 /// Builds the unit tests of pure crates, beside what was built.
@@ -102,14 +104,16 @@ pub(crate) fn build_units(root: &Root, source: &Path, built: &mut Built) -> Resu
         PURE.iter().map(|name| format!("--package=trolley-{name}")).collect();
     let mut words = vec!["cargo", "test", "--no-run", "--lib", "--release", "--locked"];
     words.extend(packages.iter().map(String::as_str));
-    let units = build(root, source, &words)?;
+    let units = build(root, source, &words, false)?;
     built.tests.extend(units.tests);
     Ok(())
 }
 
-fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
+fn build(root: &Root, source: &Path, words: &[&str], ships: bool) -> Result<Built> {
     let how = ["--target", TARGET, "--message-format=json-render-diagnostics"];
-    let words = [words, &how].concat();
+    // `runtime/src/guard.rs` reads it.
+    let slowness = (!ships).then(|| format!("TROLLEY_SLOWNESS={PATIENCE}"));
+    let words: Vec<&str> = slowness.as_deref().into_iter().chain([words, &how].concat()).collect();
     let said = crate::built::output(&mut root.inside(source, &words))?;
     let (mut trolley, mut tests) = (None, BTreeMap::new());
     for message in said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
@@ -126,13 +130,22 @@ fn build(root: &Root, source: &Path, words: &[&str]) -> Result<Built> {
     Ok(Built { trolley, tests })
 }
 
-/// Which suites to run.
+/// Which suites to run; shown, what they are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Which {
     /// The program as a whole, and the exact oracle on so many pairs.
     Whole(u64),
     /// The unit tests of pure crates.
     Units,
+}
+
+impl Display for Which {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Whole(_) => "tests of the whole program, and the exact oracle",
+            Self::Units => "unit tests of the pure crates",
+        })
+    }
 }
 
 /// The suites, in their order, from what was built.
@@ -159,13 +172,13 @@ pub(crate) fn suites(source: &Path, built: &Built, which: Which) -> Result<Vec<S
             }
         }
         Which::Whole(pairs) => {
+            for (target, filter) in WHOLE {
+                suites.push(suite("cli", target, Some(filter))?);
+            }
             let mut oracle = suite("geometry", "oracle", None)?;
             oracle.name = format!("exact oracle, {pairs} pairs of triangles");
             oracle.env.extend([format!("ORACLE_PAIRS={pairs}"), "ORACLE_SEED=1".to_owned()]);
             suites.push(oracle);
-            for (target, filter) in WHOLE {
-                suites.push(suite("cli", target, Some(filter))?);
-            }
         }
     }
     Ok(suites)
