@@ -25,7 +25,7 @@ fn contacts(args: &[&str]) -> Vec<(String, Vec<(String, f64)>)> {
     for row in document["answer"]["ranking"].as_array().unwrap() {
         let contact = |contact: &Value| {
             let party = contact["party"].as_str().unwrap();
-            let kind = party.split(' ').next().unwrap().to_owned();
+            let kind = party.split([' ', '_']).next().unwrap().to_owned();
             (kind, contact["first_touch_s"].as_f64().unwrap())
         };
         let found = row["contacts"].as_array().unwrap().iter().map(contact).collect();
