@@ -231,9 +231,8 @@ impl Plane {
                 let Some(facing) = Facing::of(slab_a, slab_b, depth_m) else { continue };
                 let before = sum.weight;
                 for k in 0..CHORDS {
-                    let travel_m = depth_m * (k as f64 + 0.5) / CHORDS as f64;
-                    if let Some(found) = facing.overlap((k, travel_m), &mut sum.struck) {
-                        sum.add(&found, shared, travel_m, centres);
+                    if let Some(found) = facing.overlap(k, &mut sum.struck) {
+                        sum.add(&found, shared, facing.travel_m(k), centres);
                     }
                 }
                 let more = sum.weight - before;

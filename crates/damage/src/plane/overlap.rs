@@ -217,6 +217,8 @@ pub(super) struct Facing {
     /// For each edge of A, and each of B, which of the other's lie beside it.
     beside: [Beside; 2],
     slabs: [f64; 2],
+    /// By how much B comes nearer at most (m).
+    most_m: f64,
 }
 
 /// A set of depths, by number.
@@ -327,16 +329,22 @@ impl Facing {
         of_b.retain(|edge| edge.low[0] <= furthest);
         let step_m = most_m / CHORDS as f64;
         let beside = [Beside::of(0, &of_a, &of_b, step_m), Beside::of(1, &of_b, &of_a, step_m)];
-        Some(Self { edges: [of_a, of_b], beside, slabs: [a.height_m[0], b.height_m[0]] })
+        let slabs = [a.height_m[0], b.height_m[0]];
+        Some(Self { edges: [of_a, of_b], beside, slabs, most_m })
     }
 
-    /// The overlap at a depth, below [`CHORDS`]: after B has come nearer by that travel; `None` if
-    /// there is none.
+    /// By how much B has come nearer at a depth (m).
+    pub(super) fn travel_m(&self, depth: usize) -> f64 {
+        self.most_m * (depth as f64 + 0.5) / CHORDS as f64
+    }
+
+    /// The overlap at a depth, below [`CHORDS`]; `None` if there is none.
     pub(super) fn overlap(
         &self,
-        (depth, travel_m): (usize, f64),
+        depth: usize,
         struck: &mut [SmallVec<[Struck; 16]>; 2],
     ) -> Option<Overlap> {
+        let travel_m = self.travel_m(depth);
         let [of_a, of_b] = &self.edges;
         let ends = |edges: &Edges, from: f64, pick: fn(f64, f64) -> f64, end: fn(&Edge) -> f64| {
             edges.iter().map(end).fold(from, pick)

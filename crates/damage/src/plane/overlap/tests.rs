@@ -40,9 +40,8 @@ fn what_is_not_looked_at_changes_no_bit() {
         let Some(quick) = Facing::of(&a, &b, depth_m) else { continue };
         let full = Facing::of(&a, &b, depth_m).expect("as before").in_full();
         for k in 0..CHORDS {
-            let at = (k, depth_m * (k as f64 + 0.5) / CHORDS as f64);
             let mut struck: [[SmallVec<[Struck; 16]>; 2]; 2] = Default::default();
-            let found = [quick.overlap(at, &mut struck[0]), full.overlap(at, &mut struck[1])];
+            let found = [quick.overlap(k, &mut struck[0]), full.overlap(k, &mut struck[1])];
             let bits = found.map(|found| {
                 found.map(|o| {
                     [o.chord[0], o.chord[1], o.centre[0], o.centre[1], o.area_m2].map(f64::to_bits)
