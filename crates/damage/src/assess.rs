@@ -24,6 +24,8 @@ use crate::party::{CollisionParty, PartyError, PersonId};
 use crate::plane::Plane;
 use crash::Crash;
 
+pub(crate) use crash::Drawn;
+
 pub use bounds::{CandidateBounds, Risk, bounds, bounds_in};
 
 mod bounds;
@@ -129,7 +131,8 @@ pub fn assess_in(
     };
     // A plane of any kind serves to name the curve of a person where nothing can be evaluated.
     let head_on = Plane::across_motion(approach, [a.centre_m, b.centre_m]);
-    let crash = Crash::new(encounter, plane.unwrap_or(&head_on), basis.parameters);
+    let plane_or_any = plane.unwrap_or(&head_on);
+    let crash = Crash::new(encounter, plane_or_any, basis.parameters, &Drawn::stated(encounter));
     if plane.is_some() {
         let patch = describe(approach, evidence, crash.plane, crash.long_face_of());
         crash.describe(&mut harm, &patch);
@@ -162,15 +165,21 @@ pub fn assess_in(
 pub fn nominal(
     encounter: &Encounter<'_>,
     basis: &Basis<'_>,
+    take: impl FnMut(PersonId, f64),
+) -> Result<f64, AssessError> {
+    nominal_of(encounter, &Drawn::stated(encounter), basis, take)
+}
+
+/// [`nominal()`] with these masses and parameters in place of what the parties state.
+pub(crate) fn nominal_of(
+    encounter: &Encounter<'_>,
+    drawn: &Drawn,
+    basis: &Basis<'_>,
     mut take: impl FnMut(PersonId, f64),
 ) -> Result<f64, AssessError> {
     let Some(plane) = encounter.plane else { return Ok(0.0) };
-    let crash = Crash::new(encounter, plane, basis.parameters);
-    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
-        for person in &body.persons {
-            take(person.id, crash.risk(party, person, basis)?.hi());
-        }
-    }
+    let crash = Crash::new(encounter, plane, basis.parameters, drawn);
+    crash.risks(basis, |id, risk| take(id, risk.hi()))?;
     Ok(crash.nominal.energy_j)
 }
 

@@ -200,7 +200,7 @@ impl CourseHarm {
     /// The risk of a person, if in any contact.
     #[must_use]
     pub fn risk_of(&self, id: PersonId) -> Option<&Risk> {
-        self.persons.iter().find(|risk| risk.id == id)
+        self.persons.binary_search_by_key(&id, |risk| risk.id).ok().map(|at| &self.persons[at])
     }
 }
 

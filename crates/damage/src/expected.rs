@@ -58,17 +58,19 @@ pub struct Spreads {
     pub leading: Vec<Vec<f64>>,
 }
 
-/// The mean of some courses of one candidate: whatever is open in one is open in the mean.
-///
-/// Without courses it is a course without contact.
-#[must_use]
-pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm> + Clone) -> CourseHarm {
-    let count = courses.clone().count();
-    if count <= 1 {
-        return courses.into_iter().next().cloned().unwrap_or_default();
-    }
-    let mut sum = CourseHarm::none();
-    for course in courses {
+/// The mean of courses of one candidate, added one after the other: whatever is open in one is open
+/// in the mean.
+#[derive(Clone, Debug, Default)]
+pub struct Mean {
+    sum: CourseHarm,
+    count: u32,
+}
+
+impl Mean {
+    /// Adds a course.
+    pub fn add(&mut self, course: &CourseHarm) {
+        let Self { sum, count } = self;
+        *count += 1;
         for risk in &course.persons {
             let at = sum.persons.partition_point(|known| known.id < risk.id);
             match sum.persons.get_mut(at).filter(|known| known.id == risk.id) {
@@ -86,23 +88,40 @@ pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm> + Clone) -> Course
         sum.is_open |= course.is_open;
         sum.is_unevaluable |= course.is_unevaluable;
     }
-    let share = 1.0 / count as f64;
-    let scaled = |interval: Interval, most: f64| interval.map(|x| (x * share).min(most));
-    for risk in &mut sum.persons {
-        let work = scaled(risk.work, 1.0);
-        let [low, high] = [risk.range.low(), risk.range.high()].map(|x| (x * share).min(1.0));
-        *risk = Risk {
-            work,
-            range: Range::new(low, high.max(low)).around(work),
-            high: scaled(risk.high, 1.0),
-            ..*risk
-        };
+
+    /// The mean of what was added; of nothing, a course without contact; of one, that one itself.
+    #[must_use]
+    pub fn finish(self) -> CourseHarm {
+        let Self { mut sum, count } = self;
+        if count <= 1 {
+            return sum;
+        }
+        let share = 1.0 / f64::from(count);
+        let scaled = |interval: Interval, most: f64| interval.map(|x| (x * share).min(most));
+        for risk in &mut sum.persons {
+            let work = scaled(risk.work, 1.0);
+            let [low, high] = [risk.range.low(), risk.range.high()].map(|x| (x * share).min(1.0));
+            *risk = Risk {
+                work,
+                range: Range::new(low, high.max(low)).around(work),
+                high: scaled(risk.high, 1.0),
+                ..*risk
+            };
+        }
+        sum.energy_j = scaled(sum.energy_j, f64::INFINITY);
+        for group in [&mut sum.others.all, &mut sum.others.vulnerable, &mut sum.others.uninvolved] {
+            group.1 *= share;
+        }
+        sum
     }
-    sum.energy_j = scaled(sum.energy_j, f64::INFINITY);
-    for group in [&mut sum.others.all, &mut sum.others.vulnerable, &mut sum.others.uninvolved] {
-        group.1 *= share;
-    }
-    sum
+}
+
+/// The [`Mean`] of some courses.
+#[must_use]
+pub fn mean<'h>(courses: impl Iterator<Item = &'h CourseHarm>) -> CourseHarm {
+    let mut mean = Mean::default();
+    courses.for_each(|course| mean.add(course));
+    mean.finish()
 }
 
 fn added(a: Interval, b: Interval) -> Interval {

@@ -9,6 +9,7 @@
 
 use crate::curve::{Curve, Dose, Level};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 mod load;
 mod shift;
@@ -103,8 +104,8 @@ pub struct Curves {
     pub name: String,
     /// Why nominal curves come from several origins; empty if they do not.
     pub mixed_origins: String,
-    /// All curves.
-    pub curves: Vec<Curve>,
+    /// All curves, shared by the worlds that follow them.
+    pub curves: Arc<[Curve]>,
     /// Who follows which, ascending by person and level, none twice.
     pub rungs: Vec<Rung>,
 }

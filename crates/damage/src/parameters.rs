@@ -4,6 +4,7 @@ use crate::fault::{DataFileError, Source};
 use body::OwnParameters;
 use body::impact::FRICTION_MAX;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use toml::Spanned;
 
 pub use body::Setting;
@@ -44,7 +45,7 @@ pub struct Parameters {
     /// The normal is known to this angle (degrees).
     pub normal_degrees: f64,
     /// Source of each, in the order of the fields.
-    pub sources: Vec<String>,
+    pub sources: Arc<[String]>,
 }
 
 /// The parameters of one contact: those in force, with what is known of both parties in their
@@ -254,7 +255,7 @@ impl Parameters {
             mass_share: value(read.mass_share, 1.0)?,
             speed_share: value(read.speed_share, 1.0)?,
             normal_degrees: value(read.normal_degrees, 45.0)?,
-            sources,
+            sources: sources.into(),
         })
     }
 }

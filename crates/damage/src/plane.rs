@@ -228,7 +228,7 @@ impl Plane {
                 if !(shared > 0.0) {
                     continue;
                 }
-                let Some(facing) = Facing::of(slab_a, slab_b, depth_m) else { continue };
+                let Some(mut facing) = Facing::of(slab_a, slab_b, depth_m) else { continue };
                 let before = sum.weight;
                 for k in 0..CHORDS {
                     if let Some(found) = facing.overlap(k, &mut sum.struck) {

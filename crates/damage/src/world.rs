@@ -9,7 +9,7 @@
 //! party's on its own. The curve of a person is the nominal one or, as probable, each of those that
 //! make the range, as published; the same in a world for all persons of a kind.
 
-use crate::assess::{AssessError, Basis, Encounter, nominal};
+use crate::assess::{AssessError, Basis, Drawn, Encounter, nominal_of};
 use crate::curve::Level;
 use crate::injury::{Curves, Rung};
 use crate::parameters::{Parameters, Setting};
@@ -143,15 +143,30 @@ impl World {
         }
     }
 
-    /// A party in this world; `number` is its number in the request.
+    /// Whether this is the world of another draw, too, about the same nominal values: then its
+    /// figures are the same.
     #[must_use]
-    pub fn party(&self, party: &CollisionParty, number: usize) -> CollisionParty {
-        let share = party.own.mass_share.unwrap_or(self.parameters.mass_share);
-        let factor = 1.0 + share * (2.0 * self.draw.masses[number] - 1.0);
-        let mut own = party.own;
-        own.restitution = own.restitution.map(|setting| drawn(setting, self.draw.restitution));
-        own.friction = own.friction.map(|setting| drawn(setting, self.draw.friction));
-        CollisionParty { mass_kg: party.mass_kg.map(|kg| kg * factor), own, ..party.clone() }
+    pub fn is_same(&self, other: &Self) -> bool {
+        let settings = |world: &Self| (world.draw.restitution, world.draw.friction);
+        settings(self) == settings(other)
+            && self.draw.masses == other.draw.masses
+            && self.curves.rungs == other.curves.rungs
+    }
+
+    /// Masses and parameters of two parties in this world; `numbers` are theirs in the request.
+    fn drawn(&self, parties: [&CollisionParty; 2], numbers: [usize; 2]) -> Drawn {
+        let mass_kg = |p: usize| {
+            let share = parties[p].own.mass_share.unwrap_or(self.parameters.mass_share);
+            let factor = 1.0 + share * (2.0 * self.draw.masses[numbers[p]] - 1.0);
+            parties[p].mass_kg.map(|kg| kg * factor)
+        };
+        let own = |p: usize| {
+            let mut own = parties[p].own;
+            own.restitution = own.restitution.map(|setting| drawn(setting, self.draw.restitution));
+            own.friction = own.friction.map(|setting| drawn(setting, self.draw.friction));
+            own
+        };
+        Drawn { mass_kg: [0, 1].map(mass_kg), own: [0, 1].map(own) }
     }
 
     /// The risks of a contact in this world, and the energy lost (J). `parties` are the numbers of
@@ -167,11 +182,9 @@ impl World {
         level: Level,
         take: impl FnMut(PersonId, f64),
     ) -> Result<f64, AssessError> {
-        let a = self.party(encounter.a, parties[0]);
-        let b = self.party(encounter.b, parties[1]);
-        let encounter = Encounter { a: &a, b: &b, ..*encounter };
+        let drawn = self.drawn([encounter.a, encounter.b], parties);
         let basis = Basis { curves: &self.curves, level, parameters: &self.parameters };
-        nominal(&encounter, &basis, take)
+        nominal_of(encounter, &drawn, &basis, take)
     }
 }
 

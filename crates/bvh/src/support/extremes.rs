@@ -6,12 +6,12 @@
 //! another one in all four lies behind it in every direction of the cone, which is a sum of the
 //! four with non-negative factors; so it is left out of the cell's list. *Behind* means by a margin
 //! far above the rounding of a sum of three products, so no omitted point can be the farthest: the
-//! maximum over a list is [`support`], bit for bit.
+//! maximum over a list is [`super::support`], bit for bit.
 //!
 //! A cell with too many candidate points, such as one that faces a flat side, has no list: it uses
 //! the tree.
 
-use super::{along, farthest, reach, support};
+use super::{along, farthest, reach, support_near};
 use body::BodyView;
 use geometry::DVec3;
 use std::sync::OnceLock;
@@ -87,15 +87,27 @@ impl Extremes {
         })
     }
 
-    /// [`support`] of the body from which this was built.
+    /// [`support_near`] of the body from which this was built.
     #[must_use]
-    pub fn support(&self, view: &BodyView<'_>, direction: DVec3) -> f64 {
+    pub fn support_near(
+        &self,
+        view: &BodyView<'_>,
+        direction: DVec3,
+        near: &mut Option<[f32; 3]>,
+    ) -> f64 {
         let points = cell_of(direction).map_or(&[][..], |cell| self.cell(view, cell));
         if points.is_empty() {
-            return support(view, direction);
+            return support_near(view, direction, near);
         }
-        let greatest = |greatest: f64, point| greatest.max(along(point, direction));
-        points.iter().copied().fold(f64::NEG_INFINITY, greatest) + 0.0
+        let mut greatest = f64::NEG_INFINITY;
+        for point in points {
+            let value = along(*point, direction);
+            if value > greatest {
+                greatest = value;
+                *near = Some(*point);
+            }
+        }
+        greatest + 0.0
     }
 }
 

@@ -42,7 +42,7 @@ impl Assembly<'_, '_> {
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
             match stage.extremes.unwrap_or(extremes).get(model) {
-                Some(extremes) => extremes.support(view, direction),
+                Some(extremes) => extremes.support_near(view, direction, near),
                 None => support_near(view, direction, near),
             }
         };

@@ -6,11 +6,12 @@
 use super::contact_facts::ContactFacts;
 use super::{Answer, Judged};
 use crate::request::RequestError;
-use damage::expected;
+use damage::expected::Mean;
 use damage::world::{Doubt, World, WorldDraw};
 use damage::{CourseHarm, Criteria, Interval, RankedCandidates, Risk, Scratch, rank_in};
 use schemars::JsonSchema;
 use serde::Serialize;
+use smallvec::SmallVec;
 
 /// How many there are at most in which one thing alone is drawn.
 const WORLDS_OF_ONE: u32 = 64;
@@ -99,7 +100,9 @@ pub(super) fn found(
         if is_late() {
             return Ok(None);
         }
-        worlds.rank(draw(number), |winner, share| won[winner] += share)?;
+        for (winner, share) in worlds.winners(&worlds.world(draw(number)))? {
+            won[winner] += share;
+        }
     }
     won.iter_mut().for_each(|won| *won /= f64::from(asked.count));
     let first = judged.ranking.places.first().map_or(0, |place| place.candidate);
@@ -107,15 +110,24 @@ pub(super) fn found(
     let mut flips = Vec::new();
     for doubt in Doubt::ALL {
         let mut kept = 0.0;
+        // There are few sets of curves: many draws are one world.
+        let mut known: Vec<(World, f64)> = Vec::new();
         for number in 0..of_one {
             if is_late() {
                 return Ok(None);
             }
-            worlds.rank(draw(number).only(doubt), |winner, share| {
-                if winner == first {
-                    kept += share;
+            let world = worlds.world(draw(number).only(doubt));
+            let share = match known.iter().find(|(other, _)| other.is_same(&world)) {
+                Some((_, share)) => *share,
+                None => {
+                    let winners = worlds.winners(&world)?;
+                    let share = winners.iter().find(|(winner, _)| *winner == first);
+                    let share = share.map_or(0.0, |(_, share)| *share);
+                    known.push((world, share));
+                    share
                 }
-            })?;
+            };
+            kept += share;
         }
         let lost = 1.0 - kept / f64::from(of_one);
         if lost > 0.0 {
@@ -127,52 +139,52 @@ pub(super) fn found(
 }
 
 impl Worlds<'_> {
-    /// Ranks the candidates in a world: `wins` gets each winner, and its part where several are
-    /// equally good.
-    fn rank(
-        &mut self,
-        draw: WorldDraw,
-        mut wins: impl FnMut(usize, f64),
-    ) -> Result<(), RequestError> {
-        let criteria = self.criteria;
-        let world = World::of(draw, &criteria.parameters, &criteria.curves);
-        let harms = self.harms(&world)?;
-        rank_in(&mut self.scratch, &criteria.policy, &self.stakes, &harms, &mut self.ranking)?;
-        let places = &self.ranking.places;
+    /// The world of a draw.
+    fn world(&self, draw: WorldDraw) -> World {
+        World::of(draw, &self.criteria.parameters, &self.criteria.curves)
+    }
+
+    /// Who wins in a world, and with which part where several are equally good.
+    fn winners(&mut self, world: &World) -> Result<SmallVec<[(usize, f64); 4]>, RequestError> {
+        let harms = self.harms(world)?;
+        let Self { criteria, stakes, scratch, ranking, .. } = self;
+        rank_in(scratch, &criteria.policy, stakes, &harms, ranking)?;
+        let places = &ranking.places;
         let ties = places.iter().take_while(|place| place.steps == places[0].steps).count();
-        for place in &places[..ties] {
-            wins(place.candidate, 1.0 / ties as f64);
-        }
-        Ok(())
+        Ok(places[..ties].iter().map(|place| (place.candidate, 1.0 / ties as f64)).collect())
     }
 
     /// The expected harm of every candidate in a world.
     fn harms(&self, world: &World) -> Result<Vec<CourseHarm>, RequestError> {
-        let mut each = Vec::with_capacity(self.members.len());
-        for member in &self.members {
-            let harms = member.iter().map(|contacts| self.course(world, contacts));
-            each.push(harms.collect::<Result<Vec<_>, _>>()?);
-        }
-        let harms = self.nominal.iter().enumerate().map(|(k, nominal)| {
-            let mut mean = expected::mean(each.iter().map(|member| &member[k]));
-            for risk in &mut mean.persons {
+        let mut harms = Vec::with_capacity(self.nominal.len());
+        let mut course = CourseHarm::none();
+        for (k, nominal) in self.nominal.iter().enumerate() {
+            let mut mean = Mean::default();
+            for member in &self.members {
+                self.write_course(world, &member[k], &mut course)?;
+                mean.add(&course);
+            }
+            let mut harm = mean.finish();
+            for risk in &mut harm.persons {
                 if let Some(usual) = nominal.risk_of(risk.id) {
                     *risk =
                         Risk { range: usual.range.around(risk.work), high: usual.high, ..*risk };
                 }
             }
-            CourseHarm { others: nominal.others, ..mean }
-        });
-        Ok(harms.collect())
+            harms.push(CourseHarm { others: nominal.others, ..harm });
+        }
+        Ok(harms)
     }
 
-    /// The harm of one course in a world.
-    fn course(
+    /// Replaces the contents of `harm` by the harm of one course in a world.
+    fn write_course(
         &self,
         world: &World,
         contacts: &[&ContactFacts],
-    ) -> Result<CourseHarm, RequestError> {
-        let mut harm = CourseHarm::none();
+        harm: &mut CourseHarm,
+    ) -> Result<(), RequestError> {
+        harm.persons.clear();
+        harm.energy_j = Interval::ZERO;
         let level = self.criteria.policy.outcome;
         for contact in contacts {
             let take = |id, risk| harm.add(id, risk);
@@ -184,7 +196,7 @@ impl Worlds<'_> {
             let before = harm.energy_j.hi();
             harm.energy_j = Interval::exactly(before + energy_j);
         }
-        Ok(harm)
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@
 //! is the model range, which samples parameters and curves: it is computed once a candidate is
 //! done, or earlier for a policy that accepts by it.
 
-use super::crash::Crash;
+use super::crash::{Crash, Drawn};
 use super::{AssessError, Basis, Encounter, assess_in};
 use crate::evidence::Evidence;
 use crate::harm::{CandidateHarm, PersonHarm};
@@ -106,14 +106,11 @@ pub fn bounds_in(
             return Ok(bounds);
         }
     };
-    let crash = Crash::new(encounter, plane, basis.parameters);
-    for (party, body) in [encounter.a, encounter.b].into_iter().enumerate() {
-        for person in &body.persons {
-            let work = crash.risk(party, person, basis)?;
-            let (range, high) = (Range::new(0.0, 1.0), Interval::new(0.0, 1.0));
-            persons.push(Risk { id: person.id, work, range, high });
-        }
-    }
+    let crash = Crash::new(encounter, plane, basis.parameters, &Drawn::stated(encounter));
+    crash.risks(basis, |id, work| {
+        let (range, high) = (Range::new(0.0, 1.0), Interval::new(0.0, 1.0));
+        persons.push(Risk { id, work, range, high });
+    })?;
     Ok(CandidateBounds {
         probability: encounter.probability,
         energy_j: Interval::exactly(crash.nominal.energy_j),

@@ -10,6 +10,7 @@ use crate::interval::{Interval, Range};
 use crate::parameters::{PairParameters, Parameters, Pick, factor};
 use crate::party::{CollisionParty, Struck};
 use crate::plane::{LongFace, Plane, PlaneOrigin};
+use body::OwnParameters;
 use geometry::DVec3;
 
 /// Which values of the parameters, for one of the two parties.
@@ -24,11 +25,33 @@ pub(super) struct Picks {
     party: usize,
 }
 
+/// What may be drawn of both parties: it takes the place of what they state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drawn {
+    /// Masses (kg); `None` if fixed to the ground.
+    pub(crate) mass_kg: [Option<f64>; 2],
+    /// What is known of their impacts.
+    pub(crate) own: [OwnParameters; 2],
+}
+
+impl Drawn {
+    /// What the parties of an encounter state.
+    pub(super) fn stated(encounter: &Encounter<'_>) -> Self {
+        let parties = [encounter.a, encounter.b];
+        Self { mass_kg: parties.map(|party| party.mass_kg), own: parties.map(|party| party.own) }
+    }
+}
+
 /// Everything that the figures of one candidate are computed from.
 pub(super) struct Crash<'a> {
     pub(super) approach: &'a Approach,
     pub(super) plane: &'a Plane,
+    /// Who collides; their masses are `mass_kg`.
     pub(super) parties: [&'a CollisionParty; 2],
+    /// Masses (kg); `None` if fixed to the ground.
+    pub(super) mass_kg: [Option<f64>; 2],
+    /// The side of each party that the normal strikes.
+    pub(super) struck: [Struck; 2],
     /// Known of every contact: speeds and normals.
     parameters: &'a Parameters,
     pair: PairParameters,
@@ -64,14 +87,23 @@ impl<'a> Crash<'a> {
         encounter: &Encounter<'a>,
         plane: &'a Plane,
         parameters: &'a Parameters,
+        drawn: &Drawn,
     ) -> Self {
         let Encounter { approach, a, b, .. } = *encounter;
-        let velocity_m_s = plane.velocity_m_s(approach);
-        let nominal = Response::default();
-        let pair = parameters.of_pair([&a.own, &b.own]);
-        let crash =
-            Self { approach, plane, parties: [a, b], parameters, pair, velocity_m_s, nominal };
-        Self { nominal: crash.respond(Picks::nominal(0)), ..crash }
+        let parties = [a, b];
+        let mut crash = Self {
+            approach,
+            plane,
+            parties,
+            mass_kg: drawn.mass_kg,
+            struck: [0, 1].map(|p| struck(plane, parties[p], p, approach.directions.d[UP], 0.0)),
+            parameters,
+            pair: parameters.of_pair(drawn.own.each_ref()),
+            velocity_m_s: plane.velocity_m_s(approach),
+            nominal: Response::default(),
+        };
+        crash.nominal = crash.respond(Picks::nominal(0));
+        crash
     }
 
     fn up(&self) -> DVec3 {
@@ -133,7 +165,7 @@ impl<'a> Crash<'a> {
         let speed = factor(self.parameters.speed_share, picks.rest);
         let in_plane = |v: DVec3| axes.map(|axis| v.dot(axis));
         let sides = [0, 1].map(|p| {
-            let party = self.parties[p];
+            let (party, mass_kg) = (self.parties[p], self.mass_kg[p]);
             // ΔV falls with the own mass and rises with the partner's.
             let mass = match (picks.rest, p == picks.party) {
                 (Pick::Nominal, _) => Pick::Nominal,
@@ -143,9 +175,9 @@ impl<'a> Crash<'a> {
             let mass = factor(self.pair.mass_share[p], mass);
             let gyration = factor(self.pair.gyration_share[p], picks.gyration);
             ImpactBody {
-                inverse_mass: party.mass_kg.map_or(0.0, |m| 1.0 / (m * mass)),
+                inverse_mass: mass_kg.map_or(0.0, |m| 1.0 / (m * mass)),
                 // A fixed body does not turn; its gyration may be anything, even 0.
-                gyration_m: party.mass_kg.map_or(1.0, |_| party.gyration_m * gyration),
+                gyration_m: mass_kg.map_or(1.0, |_| party.gyration_m * gyration),
                 arm_m: in_plane(self.plane.arms_m[p]),
             }
         });
@@ -218,11 +250,11 @@ impl<'a> Crash<'a> {
         for p in 0..2 {
             harm.yaw_rad_s[p][1] += response.delta_yaw_rad_s[p];
         }
-        let stiffness_if_mobile = |party: &CollisionParty| party.mass_kg.map(|_| party.stiffness);
+        let stiffness_if_mobile = |p: usize| self.mass_kg[p].map(|_| self.parties[p].stiffness);
         let plastic = 1.0 - self.pair.restitution.nominal;
         let energy_j = 0.5 * plastic * harm.normal_m_s * response.normal_n_s;
         harm.crush = Crush::of(
-            self.parties.map(stiffness_if_mobile),
+            [0, 1].map(stiffness_if_mobile),
             energy_j,
             patch.width_m.hi(),
             Interval::exactly(patch.depth_m),
@@ -236,7 +268,7 @@ impl<'a> Crash<'a> {
     }
 
     fn inverse_masses(&self) -> f64 {
-        self.parties.iter().filter_map(|p| p.mass_kg).map(|m| 1.0 / m).sum()
+        self.mass_kg.iter().flatten().map(|m| 1.0 / m).sum()
     }
 
     /// The energy that no impact of these bodies can exceed (J): all that they have about their
@@ -244,9 +276,8 @@ impl<'a> Crash<'a> {
     pub(super) fn energy_at_most(&self) -> f64 {
         let Approach { closing_m_s, yaw_rad_s, .. } = self.approach;
         let of_turning = |p: usize| {
-            let party = self.parties[p];
-            let speed_m_s = party.gyration_m * yaw_rad_s[p];
-            party.mass_kg.map_or(0.0, |mass_kg| 0.5 * mass_kg * speed_m_s * speed_m_s)
+            let speed_m_s = self.parties[p].gyration_m * yaw_rad_s[p];
+            self.mass_kg[p].map_or(0.0, |mass_kg| 0.5 * mass_kg * speed_m_s * speed_m_s)
         };
         let of_centres = 0.5 * closing_m_s * closing_m_s / self.inverse_masses();
         of_centres + of_turning(0) + of_turning(1)
@@ -254,8 +285,19 @@ impl<'a> Crash<'a> {
 
     /// The side of a party that the normal strikes, turned by some degrees.
     pub(super) fn struck(&self, party: usize, turned: f64) -> Struck {
-        let n = self.plane.normal;
-        let from = if party == 0 { n } else { -n };
-        Struck::at(self.parties[party].bearing(from, self.up()) + turned)
+        struck(self.plane, self.parties[party], party, self.up(), turned)
     }
+}
+
+/// The side of a party (0: A, 1: B) that the normal of a plane strikes, turned by some degrees;
+/// `up` is the vertical.
+fn struck(
+    plane: &Plane,
+    party: &CollisionParty,
+    number: usize,
+    up: DVec3,
+    turned_degrees: f64,
+) -> Struck {
+    let from = if number == 0 { plane.normal } else { -plane.normal };
+    Struck::at(party.bearing(from, up) + turned_degrees)
 }

@@ -4,10 +4,10 @@ use super::crash::Crash;
 use super::{AssessError, Basis};
 use crate::evidence::Evidence;
 use crate::harm::PersonHarm;
-use crate::injury::{Rung, Speeds};
+use crate::injury::{Rung, Speeds, Victim};
 use crate::interval::{Interval, Range};
 use crate::parameters::Pick;
-use crate::party::{Aboard, PartyError, Struck, throw_share};
+use crate::party::{Aboard, PartyError, PersonId, Struck, throw_share};
 use body::{Seat, Zones};
 use smallvec::SmallVec;
 
@@ -28,7 +28,7 @@ impl Crash<'_> {
         evidence: &Evidence,
         basis: &Basis<'_>,
     ) -> Result<PersonHarm, AssessError> {
-        let rung = self.rung(party, person.seat, self.struck(party, 0.0), basis)?;
+        let rung = self.rung(party, person.seat, self.struck[party], basis)?;
         let speeds = self.nominal_speeds(party);
         let x_m_s = speeds.get(rung.x);
         let work = Interval::exactly(basis.curves.risk(rung, &speeds)).below_one();
@@ -61,23 +61,40 @@ impl Crash<'_> {
         })
     }
 
-    /// The nominal risk of a person of a party.
-    pub(super) fn risk(
+    /// The nominal risk of everybody in both parties.
+    pub(super) fn risks(
         &self,
-        party: usize,
-        person: &Aboard,
         basis: &Basis<'_>,
-    ) -> Result<Interval, AssessError> {
-        let rung = self.rung(party, person.seat, self.struck(party, 0.0), basis)?;
-        let risk = basis.curves.risk(rung, &self.nominal_speeds(party));
-        Ok(Interval::exactly(risk).below_one())
+        mut take: impl FnMut(PersonId, Interval),
+    ) -> Result<(), AssessError> {
+        for (number, party) in self.parties.into_iter().enumerate() {
+            if party.persons.is_empty() {
+                continue;
+            }
+            let speeds = self.nominal_speeds(number);
+            // Who is struck alike in one party has one risk.
+            let mut known = [None; Victim::ALL.len()];
+            for person in &party.persons {
+                let victim = self.victim(number, person.seat, self.struck[number])?;
+                let risk = match known[victim as usize] {
+                    Some(risk) => risk,
+                    None => {
+                        let rung = basis.curves.rung(victim, basis.level)?;
+                        Interval::exactly(basis.curves.risk(rung, &speeds)).below_one()
+                    }
+                };
+                known[victim as usize] = Some(risk);
+                take(person.id, risk);
+            }
+        }
+        Ok(())
     }
 
     /// How a person of a party is struck.
     fn speeds(&self, party: usize, delta_v: f64, normal: f64) -> Speeds {
         let (own, other) = (self.parties[party], self.parties[1 - party]);
-        let share = throw_share(own.kind, other.mass_kg);
-        let is_front = self.struck(1 - party, 0.0) == Struck::Front;
+        let share = throw_share(own.kind, self.mass_kg[1 - party]);
+        let is_front = self.struck[1 - party] == Struck::Front;
         Speeds {
             delta_v,
             normal: normal * share,
@@ -108,9 +125,18 @@ impl Crash<'_> {
         side: Struck,
         basis: &Basis<'b>,
     ) -> Result<&'b Rung, AssessError> {
+        Ok(basis.curves.rung(self.victim(party, seat, side)?, basis.level)?)
+    }
+
+    /// What kind of victim a person of a party is that is struck at a side.
+    fn victim(
+        &self,
+        party: usize,
+        seat: Option<Seat>,
+        side: Struck,
+    ) -> Result<Victim, AssessError> {
         let nobody = AssessError::Party(['A', 'B'][party], PartyError::PersonsInFixed);
-        let victim = self.parties[party].victim(side, seat).ok_or(nobody)?;
-        Ok(basis.curves.rung(victim, basis.level)?)
+        self.parties[party].victim(side, seat).ok_or(nobody)
     }
 
     /// Rungs of all sides that the normal, turned a little, strikes; all sides if a zone beside the

@@ -132,8 +132,12 @@ impl Curves {
             }
             curves.push(curve);
         }
-        let mut set =
-            Self { name: read.name, mixed_origins: read.mixed_origins, curves, rungs: Vec::new() };
+        let mut set = Self {
+            name: read.name,
+            mixed_origins: read.mixed_origins,
+            curves: curves.into(),
+            rungs: Vec::new(),
+        };
         for text in read.person {
             let span = text.span();
             let victims = text.get_ref().victim.victims();

@@ -9,6 +9,7 @@ impl Curves {
     #[must_use]
     pub fn with_odds(&self, times: f64, is_meant: impl Fn(Victim) -> bool) -> Self {
         let mut shifted = self.clone();
+        let mut curves = self.curves.to_vec();
         let mut copies: Vec<Option<usize>> = vec![None; self.curves.len()];
         for rung in shifted.rungs.iter_mut().filter(|rung| is_meant(rung.victim)) {
             let of_range = rung.low.curves.iter_mut().chain(&mut rung.high.curves);
@@ -16,13 +17,14 @@ impl Curves {
                 let copy = copies[*number].unwrap_or_else(|| {
                     let mut curve = self.curves[*number].clone();
                     curve.a += libm::log(times);
-                    shifted.curves.push(curve);
-                    shifted.curves.len() - 1
+                    curves.push(curve);
+                    curves.len() - 1
                 });
                 copies[*number] = Some(copy);
                 *number = copy;
             }
         }
+        shifted.curves = curves.into();
         shifted
     }
 }

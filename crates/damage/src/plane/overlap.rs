@@ -217,6 +217,8 @@ pub(super) struct Facing {
     /// For each edge of A, and each of B, which of the other's lie beside it.
     beside: [Beside; 2],
     slabs: [f64; 2],
+    /// For each edge of A, and of B: its place among those that are struck, once it is.
+    struck: [SmallVec<[Option<u32>; 32]>; 2],
     /// By how much B comes nearer at most (m).
     most_m: f64,
 }
@@ -330,7 +332,8 @@ impl Facing {
         let step_m = most_m / CHORDS as f64;
         let beside = [Beside::of(0, &of_a, &of_b, step_m), Beside::of(1, &of_b, &of_a, step_m)];
         let slabs = [a.height_m[0], b.height_m[0]];
-        Some(Self { edges: [of_a, of_b], beside, slabs, most_m })
+        let struck = [&of_a, &of_b].map(|edges| SmallVec::from_elem(None, edges.len()));
+        Some(Self { edges: [of_a, of_b], beside, slabs, struck, most_m })
     }
 
     /// By how much B has come nearer at a depth (m).
@@ -338,9 +341,10 @@ impl Facing {
         self.most_m * (depth as f64 + 0.5) / CHORDS as f64
     }
 
-    /// The overlap at a depth, below [`CHORDS`]; `None` if there is none.
+    /// The overlap at a depth, below [`CHORDS`]; `None` if there is none. Adds to how much of each
+    /// edge is struck; it is always the same list.
     pub(super) fn overlap(
-        &self,
+        &mut self,
         depth: usize,
         struck: &mut [SmallVec<[Struck; 16]>; 2],
     ) -> Option<Overlap> {
@@ -393,8 +397,11 @@ impl Facing {
                     }
                 }
                 if inside > 0.0 {
-                    let place = (edge.number, self.slabs[side]);
-                    note(&mut struck[side], place, edge.moved(-own_moved_m).ends, inside);
+                    let (slab, struck) = (self.slabs[side], &mut struck[side]);
+                    let place = *self.struck[side][number].get_or_insert_with(|| {
+                        place_of(struck, (edge.number, slab), edge.moved(-own_moved_m).ends)
+                    });
+                    struck[place as usize].length += inside;
                 }
             }
         }
@@ -402,18 +409,18 @@ impl Facing {
     }
 }
 
-/// Adds to how much of an edge, by its number and the height of its band, is struck.
-fn note(
+/// The place of an edge, by its number and the height of its band, among those that are struck.
+fn place_of(
     struck: &mut SmallVec<[Struck; 16]>,
     (edge, slab): ((usize, usize), f64),
     ends: [[f64; 2]; 2],
-    length: f64,
-) {
-    let is_same = |s: &&mut Struck| s.edge == edge && s.slab.to_bits() == slab.to_bits();
-    match struck.iter_mut().find(is_same) {
-        Some(known) => known.length += length,
-        None => struck.push(Struck { edge, slab, ends, length }),
-    }
+) -> u32 {
+    let is_same = |s: &Struck| s.edge == edge && s.slab.to_bits() == slab.to_bits();
+    let place = struck.iter().position(is_same).unwrap_or_else(|| {
+        struck.push(Struck { edge, slab, ends, length: 0.0 });
+        struck.len() - 1
+    });
+    place as u32
 }
 
 /// Integrals along the border of an overlap, about a point near it.

@@ -104,3 +104,29 @@ fn draws_stay_within_what_is_stated() {
     }
     assert!(seen.len() > curves.rungs.len(), "other curves are drawn, too");
 }
+
+#[test]
+fn worlds_that_are_the_same_have_the_same_figures() {
+    let (parameters, curves) = shipped();
+    let level = Policy::shipped().expect("sound").outcome;
+    let scene = head_on(0.6);
+    let mut worlds: Vec<(World, _)> = Vec::new();
+    for k in 0..64 {
+        let at = (f64::from(k) + 0.5) / 64.0;
+        let draw =
+            WorldDraw { restitution: at, friction: at, masses: vec![at; 2], curves: Some(at) };
+        for doubt in Doubt::ALL {
+            let world = World::of(draw.only(doubt), &parameters, &curves);
+            let figures = risks(&scene, |encounter, risks| {
+                let take = |id, risk: f64| risks.push((id, risk.to_bits()));
+                world.assess(encounter, [0, 1], level, take).expect("sound")
+            });
+            match worlds.iter().find(|(known, _)| known.is_same(&world)) {
+                Some((_, known)) => assert_eq!(&figures, known, "{doubt:?} at {at}"),
+                None => worlds.push((world, figures)),
+            }
+        }
+    }
+    // Each number is another world, but there are few sets of curves.
+    assert!((3 * 64 + 2..3 * 64 + 32).contains(&worlds.len()), "{}", worlds.len());
+}

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::fixtures::{any_build, body_of, directions, options, torus, triangles};
+use crate::support::support;
 use body::Build;
 use proptest::prelude::*;
 
@@ -22,9 +23,9 @@ proptest! {
         if even {
             d = (d * 8.0).round();
         }
-        let found = extremes.support(&view, d);
+        let found = extremes.support_near(&view, d, &mut None);
         prop_assert_eq!(found.to_bits(), support(&view, d).to_bits());
-        prop_assert_eq!(found.to_bits(), empty.support(&view, d).to_bits());
+        prop_assert_eq!(found.to_bits(), empty.support_near(&view, d, &mut None).to_bits());
     }
 }
 
@@ -42,12 +43,15 @@ fn a_finer_body_is_asked_in_thousands_of_directions() {
             .count();
         assert!(listed * 10 > extremes.cells.len() * 9, "{listed}");
         let measured = directions().d;
+        let mut near = None;
         for step in 0..4_000 {
             let turn = f64::from(step) * 0.1;
             let (sin, cos) = libm_free_turn(turn);
             let d = measured[step as usize % measured.len()];
             let d = DVec3::new(d.x * cos - d.z * sin, d.y, d.x * sin + d.z * cos);
-            assert_eq!(extremes.support(&view, d).to_bits(), support(&view, d).to_bits(), "{d}");
+            let expected = support(&view, d).to_bits();
+            assert_eq!(extremes.support_near(&view, d, &mut None).to_bits(), expected, "{d}");
+            assert_eq!(extremes.support_near(&view, d, &mut near).to_bits(), expected, "{d}");
         }
     }
 }
@@ -63,10 +67,11 @@ fn what_is_no_direction_is_left_to_the_tree() {
     let mut body = body_of(&torus(3, 3, 0.3), &options(Build::Paper, 4));
     let extremes = Extremes::of(&body.view());
     for d in [DVec3::ZERO, DVec3::NAN, DVec3::splat(f64::INFINITY)] {
-        let (found, expected) = (extremes.support(&body.view(), d), support(&body.view(), d));
+        let (found, expected) =
+            (extremes.support_near(&body.view(), d, &mut None), support(&body.view(), d));
         assert_eq!(found.to_bits(), expected.to_bits());
     }
     body.nodes.clear();
     let empty = Extremes::of(&body.view());
-    assert_eq!(empty.support(&body.view(), DVec3::X), f64::NEG_INFINITY);
+    assert_eq!(empty.support_near(&body.view(), DVec3::X, &mut None), f64::NEG_INFINITY);
 }

@@ -46,7 +46,7 @@ fn d02_each_figure_is_returned_under_its_own_name() {
 
 fn curve_of(person: &PersonHarm) -> crate::curve::Curve {
     let curves = Curves::shipped().expect("sound");
-    curves.curves.into_iter().find(|curve| curve.id == person.curve).expect("shipped")
+    curves.curves.iter().find(|curve| curve.id == person.curve).cloned().expect("shipped")
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn d09_no_mass_is_zero_or_negative() {
 #[test]
 fn d10_nobody_is_hurt_at_speed_zero() {
     let curves = Curves::shipped().expect("sound");
-    for curve in &curves.curves {
+    for curve in &*curves.curves {
         assert_eq!(curve.risk(crate::curve::Dose::at(0.0)).to_bits(), 0, "{}", curve.id);
         // The published curve is well above 0 there.
         assert!(1.0 / (1.0 + libm::exp(-curve.a)) > 1e-4, "{}", curve.id);

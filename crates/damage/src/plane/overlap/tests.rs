@@ -37,10 +37,10 @@ fn what_is_not_looked_at_changes_no_bit() {
         };
         let (a, b) = (band(0.0, 0.0), band(1.5, 0.25));
         let depth_m = [0.9, 0.25, 0.0][round % 3];
-        let Some(quick) = Facing::of(&a, &b, depth_m) else { continue };
-        let full = Facing::of(&a, &b, depth_m).expect("as before").in_full();
+        let Some(mut quick) = Facing::of(&a, &b, depth_m) else { continue };
+        let mut full = Facing::of(&a, &b, depth_m).expect("as before").in_full();
+        let mut struck: [[SmallVec<[Struck; 16]>; 2]; 2] = Default::default();
         for k in 0..CHORDS {
-            let mut struck: [[SmallVec<[Struck; 16]>; 2]; 2] = Default::default();
             let found = [quick.overlap(k, &mut struck[0]), full.overlap(k, &mut struck[1])];
             let bits = found.map(|found| {
                 found.map(|o| {
