@@ -125,7 +125,8 @@ impl Canvas {
         colour: [f64; 3],
     ) -> Option<[f64; 4]> {
         let letters: Vec<char> = cut(text);
-        let width = (letters.len() * get_raster_width(FontWeight::Regular, self.letters)) as f64;
+        let letter = get_raster_width(FontWeight::Regular, self.letters);
+        let (width, gap) = ((letters.len() * letter) as f64, letter as f64);
         let height = self.letters.val() as f64;
         let step = 0.8 * height;
         // As far away as half the picture is long.
@@ -148,7 +149,7 @@ impl Canvas {
         };
         let is_free = |room: &[f64; 4]| {
             let apart = |a: &[f64; 4]| {
-                a[0] - 3.0 >= room[2] || room[0] >= a[2] + 3.0 || a[1] >= room[3] || room[1] >= a[3]
+                a[0] - gap >= room[2] || room[0] >= a[2] + gap || a[1] >= room[3] || room[1] >= a[3]
             };
             room[2] <= size[0] && room[3] <= size[1] && self.taken.iter().all(apart)
         };
