@@ -10,7 +10,7 @@
 //! median over the rounds counts, and ratios more than times. A driver reads its case, builds its
 //! trees, repeats the query and prints one line of JSON; no time includes reading.
 
-mod cases;
+pub(crate) mod cases;
 mod first_contact;
 mod log;
 mod page;

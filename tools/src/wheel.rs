@@ -11,6 +11,7 @@
 //! each time. Packages come from the index that pip is set up for.
 
 use crate::built::{self, Workspace, output, write};
+use crate::compare::cases;
 use crate::machine;
 use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
@@ -77,7 +78,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let empty = python.environment("empty", TESTS, Kept::No)?;
     empty.install(&[&wheel.display().to_string()])?;
     let tests = package.join("tests");
-    empty.run(&["-m", "pytest", "-p", "no:cacheprovider"], &package, &program)?;
+    let cases = workspace.target.join("cases");
+    cases::made(&cases, &|_| true)?;
+    let cases = cases.canonicalize()?.display().to_string();
+    let pytest = ["-m", "pytest", "-p", "no:cacheprovider", "-rs", "--cases", &cases, "tests"];
+    empty.run(&pytest, &package, &program)?;
     empty.run(&["-m", "mypy", "--strict", "tests/typed.py"], &package, &program)?;
     if options.long {
         step("a million random calls")?;

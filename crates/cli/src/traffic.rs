@@ -61,10 +61,10 @@ pub(crate) struct TrafficArgs {
     /// How far ahead to look (s; default: 3).
     #[arg(long, value_name = "S", value_parser = within::<0, 60>)]
     horizon: Option<f64>,
-    /// Decelerations to try (m/s²; default: 0,4,8).
+    /// Decelerations to try (m/s²; default: 8,4,0); of equals the first wins.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = within::<0, 20>)]
     brakes: Option<Vec<f64>>,
-    /// Lateral accelerations to try, left positive (m/s²; default: -6,-3,0,3,6).
+    /// Lateral accelerations to try, left positive (m/s²; default: 0,-3,3,-6,6).
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = within::<-20, 20>,
         allow_hyphen_values = true)]
     laterals: Option<Vec<f64>>,

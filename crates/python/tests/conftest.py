@@ -1,4 +1,4 @@
-"""Where the scenarios of the repository are, and the program to compare with."""
+"""Where the files of the repository are, and the program to compare with."""
 
 import os
 import re
@@ -8,13 +8,33 @@ from pathlib import Path
 
 import pytest
 
-CONFIG = Path(__file__).resolve().parents[3] / "config"
+ROOT = Path(__file__).resolve().parents[3]
+CONFIG = ROOT / "config"
+
+
+def pytest_addoption(parser):
+    """Adds where the cases lie that all kernels are compared on."""
+    parser.addoption("--cases", type=Path, help="a folder of folders with a.stl, b.stl, pose.txt")
+
+
+def pytest_generate_tests(metafunc):
+    """Gives a test of cases one after another."""
+    if "case" in metafunc.fixturenames:
+        folder = metafunc.config.getoption("cases")
+        found = sorted(path.parent for path in folder.glob("*/pose.txt")) if folder else []
+        metafunc.parametrize("case", found, ids=lambda path: path.name)
 
 
 @pytest.fixture(scope="session")
 def config():
     """The folder of policies, curves and scenarios."""
     return CONFIG
+
+
+@pytest.fixture(scope="session")
+def root():
+    """The folder of the whole project."""
+    return ROOT
 
 
 @pytest.fixture(scope="session")

@@ -61,9 +61,26 @@ def _segment_meets(p, q, triangle):
     return _in_triangle([x + t * (y - x) for x, y in zip(p, q)], triangle, n)
 
 
+def _whole(triangles):
+    """Coordinates as whole numbers of their common unit, a power of two."""
+    ratios = [[[float(x).as_integer_ratio() for x in corner] for corner in t] for t in triangles]
+    unit = max(below for triangle in ratios for corner in triangle for _, below in corner)
+    return [[[above * (unit // below) for above, below in p] for p in t] for t in ratios]
+
+
+def _on_one_side(triangle, other):
+    """Whether a triangle lies strictly on one side of the plane of another."""
+    a, b, c = other
+    n = _cross(_minus(b, a), _minus(c, a))
+    sides = [_dot(n, _minus(p, a)) for p in triangle]
+    return all(side > 0 for side in sides) or all(side < 0 for side in sides)
+
+
 def intersect(a, b):
     """Whether two triangles of float64 corners have a point in common."""
-    a, b = ([[Fraction(float(x)) for x in corner] for corner in triangle] for triangle in (a, b))
+    a, b = _whole((a, b))
+    if _on_one_side(a, b) or _on_one_side(b, a):
+        return False
     for axis in range(3):
         if max(p[axis] for p in a) < min(p[axis] for p in b):
             return False
@@ -81,9 +98,17 @@ def transformed(triangles, pose):
     return numpy.stack(rows, axis=-1)
 
 
-def pairs(a, b, pose):
-    """All pairs of triangles of two bodies that intersect, each against each."""
+def pairs(a, b, pose, every=1):
+    """All pairs of triangles of two bodies that intersect, of every `every`th triangle of A.
+
+    Each is compared with each: those whose boxes are apart are left out by a comparison of
+    coordinates, which is exact.
+    """
     moved = transformed(b, pose)
-    return [
-        [i, j] for i, p in enumerate(a) for j, q in enumerate(moved) if intersect(p, q)
-    ]
+    low, high = moved.min(axis=1), moved.max(axis=1)
+    found = []
+    for i in range(0, len(a), every):
+        p = a[i]
+        meet = (p.min(axis=0) <= high).all(axis=1) & (low <= p.max(axis=0)).all(axis=1)
+        found += [[i, int(j)] for j in numpy.flatnonzero(meet) if intersect(p, moved[j])]
+    return found

@@ -199,16 +199,21 @@ mod tests {
         prefault(4 << 20);
         // Warm: the allocator's own pages, and this function's.
         drop(black_box(vec![1_u8; 1 << 20]));
-        let before = page_faults();
-        for _ in 0..10 {
-            let mut bytes = vec![0_u8; 1 << 20];
-            for page in bytes.chunks_mut(PAGE) {
-                page[0] = black_box(1);
+        let mut after_ten = || {
+            let before = page_faults().0;
+            for _ in 0..10 {
+                let mut bytes = vec![0_u8; 1 << 20];
+                for page in bytes.chunks_mut(PAGE) {
+                    page[0] = black_box(1);
+                }
+                black_box(&bytes);
             }
-            black_box(&bytes);
-        }
-        let after = page_faults();
-        assert!(after.0 - before.0 < 64, "{} faults for 2,560 pages", after.0 - before.0);
+            page_faults().0 - before
+        };
+        // Another test of this process may fork meanwhile, and each page is then copied once more:
+        // it adds faults, and takes none.
+        let least = (0..50).map(|_| after_ten()).find(|after| *after < 64);
+        assert!(least.is_some(), "each time 64 faults or more for 2,560 pages");
     }
 
     #[test]

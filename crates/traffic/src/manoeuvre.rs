@@ -12,9 +12,9 @@ use crate::recording::{Ego, Obstacle, Recording, TimedState, at};
 /// Which manoeuvres are tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manoeuvres {
-    /// Decelerations (m/s²), each at most [`Self::grip_m_s2`].
+    /// Decelerations (m/s²), each at most [`Self::grip_m_s2`], in the order of trial.
     pub brakes_m_s2: Vec<f64>,
-    /// Lateral accelerations (m/s²); positive: to the left.
+    /// Lateral accelerations (m/s²), in the order of trial; positive: to the left.
     pub laterals_m_s2: Vec<f64>,
     /// Total acceleration that the tyres allow (m/s²).
     pub grip_m_s2: f64,
@@ -27,12 +27,15 @@ pub struct Manoeuvres {
 }
 
 impl Default for Manoeuvres {
-    /// Coasting, half and full braking, each straight, with a firm and with a hard turn either way;
-    /// grip of a dry road; three seconds, after which a plan is a guess. All of them assumed.
+    /// Full and half braking and coasting, each straight, with a firm and with a hard turn either
+    /// way; grip of a dry road; three seconds, after which a plan is a guess. All of them assumed.
+    ///
+    /// Of manoeuvres that do equal harm the earlier one wins, and no recording says where the road
+    /// ends: so what stops soonest and stays where it is comes first.
     fn default() -> Self {
         Self {
-            brakes_m_s2: vec![0.0, 4.0, 8.0],
-            laterals_m_s2: vec![-6.0, -3.0, 0.0, 3.0, 6.0],
+            brakes_m_s2: vec![8.0, 4.0, 0.0],
+            laterals_m_s2: vec![0.0, -3.0, 3.0, -6.0, 6.0],
             grip_m_s2: 9.0,
             horizon_s: 3.0,
             step_s: 0.02,

@@ -96,7 +96,8 @@ impl<'a> Crash<'a> {
             plane,
             parties,
             mass_kg: drawn.mass_kg,
-            struck: [0, 1].map(|p| struck(plane, parties[p], p, approach.directions.d[UP], 0.0)),
+            struck: [0, 1]
+                .map(|p| side_struck(plane, parties[p], p, approach.directions.d[UP], 0.0)),
             parameters,
             pair: parameters.of_pair(drawn.own.each_ref()),
             velocity_m_s: plane.velocity_m_s(approach),
@@ -284,14 +285,14 @@ impl<'a> Crash<'a> {
     }
 
     /// The side of a party that the normal strikes, turned by some degrees.
-    pub(super) fn struck(&self, party: usize, turned: f64) -> Struck {
-        struck(self.plane, self.parties[party], party, self.up(), turned)
+    pub(super) fn struck_if_turned(&self, party: usize, turned_degrees: f64) -> Struck {
+        side_struck(self.plane, self.parties[party], party, self.up(), turned_degrees)
     }
 }
 
 /// The side of a party (0: A, 1: B) that the normal of a plane strikes, turned by some degrees;
 /// `up` is the vertical.
-fn struck(
+fn side_struck(
     plane: &Plane,
     party: &CollisionParty,
     number: usize,

@@ -148,10 +148,10 @@ impl Crash<'_> {
         intrusion: bool,
         basis: &Basis<'b>,
     ) -> Result<SmallVec<[&'b Rung; 4]>, AssessError> {
-        let margins = [-SIDE_MARGIN_DEGREES, 0.0, SIDE_MARGIN_DEGREES];
-        let touched = |side: &Struck| {
-            intrusion || margins.iter().any(|margin| self.struck(party, *margin) == *side)
-        };
+        let turned = [-SIDE_MARGIN_DEGREES, SIDE_MARGIN_DEGREES]
+            .map(|margin| self.struck_if_turned(party, margin));
+        let touched =
+            |side: &Struck| intrusion || self.struck[party] == *side || turned.contains(side);
         let sides = Struck::ALL.into_iter().filter(touched);
         sides.map(|side| self.rung(party, seat, side, basis)).collect()
     }

@@ -146,6 +146,12 @@ pub(super) fn head(
         };
         let said = format!("{begins}: {}.", ties.join("; "));
         sure.push_str(&folded(&said, ties.len(), what));
+        if tied.clone().all(|row| row.range.high() == 0.0) {
+            // A scenario has bodies and no lanes, so a way into a field is as good as any.
+            let road = " Where the road ends is not known here: the order among these is that of \
+                        the request.";
+            sure.push_str(road);
+        }
     }
     let won = first.and_then(|row| row.expected.as_ref()?.worlds);
     // Who touches nobody in any member does no harm in any world, and one alone always wins.

@@ -324,6 +324,7 @@ fn where_nobody_is_touched_nothing_else_is_said() {
     let page = made(&answer, &run, &scene);
     assert!(page.contains("2 ways are left; none touches anybody."));
     assert!(page.contains("These do no harm either: <bdi>stay</bdi>."));
+    assert!(page.contains("Where the road ends is not known"));
     assert!(page.contains("1 more touches nobody, and harms nobody within the range"));
     let (_, members) = page.split_once("<h2>Member by member</h2>").expect("members");
     assert!(members.starts_with("<p>No harm in any member: "), "{}", &members[..200]);

@@ -284,7 +284,7 @@ fn more_candidates_than_fit_and_twins_are_noted() {
     let manoeuvres = Manoeuvres { brakes_m_s2, ..Manoeuvres::default() };
     let (read, notes) = made(&recording, &manoeuvres);
     assert_eq!(read.candidates.len(), CANDIDATES_MAX);
-    assert_eq!(notes[0], "the manoeuvre \"brake 8, right 6\" is asked for twice: it stands once");
+    assert_eq!(notes[0], "the manoeuvre \"brake 8, straight\" is asked for twice: it stands once");
     assert_eq!(notes.last().unwrap(), "a request ranks 16 candidates: 4 more are left out");
 }
 
@@ -363,7 +363,7 @@ fn what_a_scenario_may_not_say_is_refused_by_the_name_of_who_does_it() {
     let mut fast = scene(vec![parked("6", [30.0, 0.0])]);
     fast.ego.start.speed_m_s = 120.0;
     let what = refused(&fast, &Manoeuvres::default()).what;
-    assert!(what.starts_with("the ego's manoeuvre \"go on, right 6\": from 0 s"), "{what}");
+    assert!(what.starts_with("the ego's manoeuvre \"brake 8, straight\": from 0 s"), "{what}");
     let manoeuvres = Manoeuvres { horizon_s: 60.0, ..Manoeuvres::default() };
     assert_eq!(
         refused(&scene(vec![parked("6", [30.0, 0.0])]), &manoeuvres).what,
