@@ -199,7 +199,7 @@ mod tests {
         prefault(4 << 20);
         // Warm: the allocator's own pages, and this function's.
         drop(black_box(vec![1_u8; 1 << 20]));
-        let mut after_ten = || {
+        let after_ten = || {
             let before = page_faults().0;
             for _ in 0..10 {
                 let mut bytes = vec![0_u8; 1 << 20];
