@@ -4,7 +4,7 @@
 use crate::support::{self, Place, instance, left_in_shm, wait_for};
 use ::trolley::bodies::{Bodies, SILENT};
 use ::trolley::{BUILD, Scenario};
-use coordinator::{Options, PairWork, WorkerPool, WorkerPoolError};
+use coordinator::{Options, PairWork, WorkerPool};
 use geometry::RelativePose;
 use runtime::clock;
 use rustix::process::Signal;
@@ -43,7 +43,10 @@ fn a_worker_stopped_before_exec_is_replaced_and_one_that_stops_again_is_given_up
         match started {
             Ok(pool) => assert_eq!(pool.ready(), ready),
             Err(error) => {
-                assert!(matches!(error, WorkerPoolError::HandshakeTimeout { .. }), "{error}");
+                assert!(
+                    matches!(error, coordinator::WorkerPoolError::HandshakeTimeout { .. }),
+                    "{error}"
+                );
                 assert!(error.to_string().contains("stopped"), "{error}");
                 assert_eq!(ready, 0);
                 assert!((200..2_000).contains(&took_ms), "{took_ms} ms");
