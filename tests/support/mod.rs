@@ -265,7 +265,10 @@ pub(crate) fn workers_at_work(run: &mut Child, count: usize) -> Option<Vec<u32>>
         }
         most = most.max(workers.len());
         let ticks: Vec<u64> = workers.iter().filter_map(|worker| cpu_ticks(*worker)).collect();
-        let working = ticks.iter().all(|t| *t >= 1) && ticks.iter().sum::<u64>() >= 8;
+        // More than it takes them to start, which is longer under an emulator.
+        let slowness = u64::from(slowness());
+        let all_worked = ticks.iter().all(|t| *t >= slowness);
+        let working = all_worked && ticks.iter().sum::<u64>() >= 8 * slowness;
         (ticks.len() == count && working).then_some(Some(workers))
     })
     .flatten()
