@@ -197,8 +197,8 @@ pub struct Motion {
     /// Body frame to world, from 0 to exactly [`Scenario::horizon_s`].
     pub path: MotionPath,
     /// When the states that were given end (s), if that is before the horizon, and not before 0:
-    /// from then on the path goes straight on. `None` for what stands still, then or always, or is
-    /// given as a state that goes on.
+    /// from then on the path goes straight on. `None` for what stands still or is given as a state
+    /// that goes on.
     pub ends_s: Option<f64>,
 }
 

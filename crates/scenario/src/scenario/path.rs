@@ -193,15 +193,14 @@ pub(super) fn astray(error: PathError) -> Misfit {
     Misfit::new("path", format!("the motion leads nowhere: {error}"), help)
 }
 
-/// States from 0 or before as a path from 0 to the horizon, which after the last goes on with this
-/// velocity (m/s); when the states end, if anything goes on then.
+/// States from 0 or before as a path from 0 to the horizon; after the last it goes on with this
+/// velocity (m/s).
 fn until(mut states: Vec<State>, velocity: DVec3, horizon_s: f64) -> Result<Followed, PathError> {
     let last = states[states.len() - 1];
-    let mut ends_s = (last.time_s < horizon_s).then_some(last.time_s);
-    if let Some(ended_s) = ends_s {
-        let position = DVec3::from_array(last.position_m) + velocity * (horizon_s - ended_s);
+    let ends_s = (last.time_s < horizon_s).then_some(last.time_s);
+    if let Some(ends_s) = ends_s {
+        let position = DVec3::from_array(last.position_m) + velocity * (horizon_s - ends_s);
         states.push(State { time_s: horizon_s, position_m: position.to_array(), ..last });
-        ends_s = ends_s.filter(|_| velocity != DVec3::ZERO);
     }
     let whole = MotionPath::new(&states)?;
     if whole.from_s() == 0.0 && whole.to_s() == horizon_s {
