@@ -22,6 +22,8 @@ def pytest_generate_tests(metafunc):
     if "case" in metafunc.fixturenames:
         folder = metafunc.config.getoption("cases")
         found = sorted(path.parent for path in folder.glob("*/pose.txt")) if folder else []
+        if folder and not found:
+            raise pytest.UsageError(f"--cases {folder}: no folder in it has a pose.txt")
         metafunc.parametrize("case", found, ids=lambda path: path.name)
 
 

@@ -1,4 +1,4 @@
-"""Exact intersection of two closed triangles, in rational numbers and without any cleverness."""
+"""Exact intersection of two closed triangles, in whole and rational numbers, without any tree."""
 
 from fractions import Fraction
 from itertools import combinations
@@ -99,7 +99,7 @@ def transformed(triangles, pose):
 
 
 def pairs(a, b, pose, every=1):
-    """All pairs of triangles of two bodies that intersect, of every `every`th triangle of A.
+    """All pairs of intersecting triangles of two bodies, of A's numbers 0, `every`, 2 `every`, …
 
     Each is compared with each: those whose boxes are apart are left out by a comparison of
     coordinates, which is exact.

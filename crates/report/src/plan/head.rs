@@ -136,7 +136,8 @@ pub(super) fn head(
     if !ties.is_empty() {
         let tied = answer.ranking.iter().filter(|row| answer.tie_class.contains(&row.name));
         let is_same = |row: &CourseRow| first.is_some_and(|first| is_equal(row, first));
-        let (begins, what) = if tied.clone().all(|row| row.range.high() == 0.0) {
+        let is_harmless = tied.clone().all(|row| row.range.high() == 0.0);
+        let (begins, what) = if is_harmless {
             ("These do no harm either", "do no harm either")
         } else if tied.clone().all(is_same) {
             ("As far as is known these are the same", "are the same as far as is known")
@@ -146,7 +147,7 @@ pub(super) fn head(
         };
         let said = format!("{begins}: {}.", ties.join("; "));
         sure.push_str(&folded(&said, ties.len(), what));
-        if tied.clone().all(|row| row.range.high() == 0.0) {
+        if is_harmless {
             // A scenario has bodies and no lanes, so a way into a field is as good as any.
             let road = " Where the road ends is not known here: the order among these is that of \
                         the request.";
