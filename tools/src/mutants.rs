@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 /// How much to do.
 #[derive(Debug, Args)]
@@ -75,7 +75,7 @@ struct Outcome {
 /// Tries all, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     let workspace = Workspace::find()?;
-    let known = Command::new("cargo-mutants").arg("--version").output();
+    let known = cargo().args(["mutants", "--version"]).output();
     let known = known.is_ok_and(|done| done.status.success());
     ensure!(known, "there is no cargo-mutants\n  help: cargo install cargo-mutants --locked");
     let table = fs::read_to_string(workspace.root.join("tools/safety/mutants.toml"))?;

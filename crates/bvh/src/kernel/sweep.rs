@@ -31,6 +31,7 @@ use geometry::{DVec3, RelativePose, Sweep};
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
+mod due;
 mod frontier;
 mod plain;
 mod wide;

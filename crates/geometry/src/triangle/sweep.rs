@@ -197,10 +197,14 @@ impl Sweep {
 #[must_use]
 pub fn first_contact(a: &Triangle, b: &Triangle, sweep: &Sweep) -> Option<FirstTouch> {
     let projected = Projected::of(a, b, sweep);
-    if projected.is_early(sweep.from_m) || projected.is_late(sweep.to_m) || projected.are_apart() {
+    if projected.is_early(sweep.from_m) || projected.is_late(sweep.to_m) || projected.are_beyond() {
         return None;
     }
-    let interval = match projected.interval(sweep) {
+    let sides = Sides::of(&projected);
+    if sides.are_apart() {
+        return None;
+    }
+    let interval = match sides.interval(sweep) {
         Ok(interval) => interval?,
         Err(Doubt) => exact::interval(a, b, sweep.direction)?,
     };
@@ -249,6 +253,11 @@ struct Projected {
     /// Least and greatest x, y and height of each (m).
     box_a: [[f64; 2]; 3],
     box_b: [[f64; 2]; 3],
+}
+
+/// On which sides of each other's edges the corners of both lie.
+struct Sides<'p> {
+    of: &'p Projected,
     /// `[i][k]`: on which side of A's edge i B's corner k lies; twice an area (m²).
     b_to_a: [[f64; 3]; 3],
     /// `[k][i]`: on which side of B's edge k A's corner i lies.
@@ -268,7 +277,9 @@ impl Projected {
             let along = |w: DVec3| (w.x * p.x + w.y * p.y) + w.z * p.z;
             [along(u), along(v), along(d)]
         };
-        let (a, b) = (a.0.map(&mut seen), b.0.map(&mut seen));
+        // Written out: `map` over closures is not always inlined, and then slow.
+        let a = [seen(a.0[0]), seen(a.0[1]), seen(a.0[2])];
+        let b = [seen(b.0[0]), seen(b.0[1]), seen(b.0[2])];
         let (box_a, box_b) = (bounds(&a), bounds(&b));
         let extent = |k: usize| box_a[k][1].max(box_b[k][1]) - box_a[k][0].min(box_b[k][0]);
         // Below the normal range, errors are not relative.
@@ -276,17 +287,7 @@ impl Projected {
         let width = extent(0).max(extent(1));
         let error = 16.0 * coordinate_error * (width + coordinate_error) + UNDERFLOW;
         let error = if magnitude < MAGNITUDE_MAX { error } else { f64::INFINITY };
-        Self {
-            b_to_a: sides(&a, &b),
-            a_to_b: sides(&b, &a),
-            areas: [side(&a[0], &a[1], &a[2]), side(&b[0], &b[1], &b[2])],
-            a,
-            b,
-            coordinate_error,
-            error,
-            box_a,
-            box_b,
-        }
+        Self { a, b, coordinate_error, error, box_a, box_b }
     }
 
     /// What heights may be off by together (m).
@@ -304,16 +305,30 @@ impl Projected {
         self.box_a[2][0] - self.box_b[2][1] - self.height_error() > to_m
     }
 
-    /// Whether the projections are certainly apart: one lies beyond an edge of the other.
-    fn are_apart(&self) -> bool {
+    /// Whether the bounds of the projections are certainly apart.
+    fn are_beyond(&self) -> bool {
         let margin = 2.0 * self.coordinate_error;
         let is_beyond = |p: &[f64; 2], q: &[f64; 2]| p[0] > q[1] + margin || q[0] > p[1] + margin;
-        if (0..2).any(|k| is_beyond(&self.box_a[k], &self.box_b[k])) {
-            return true;
+        (0..2).any(|k| is_beyond(&self.box_a[k], &self.box_b[k]))
+    }
+}
+
+impl<'p> Sides<'p> {
+    fn of(of: &'p Projected) -> Self {
+        let Projected { a, b, .. } = of;
+        Self {
+            of,
+            b_to_a: sides(a, b),
+            a_to_b: sides(b, a),
+            areas: [side(&a[0], &a[1], &a[2]), side(&b[0], &b[1], &b[2])],
         }
+    }
+
+    /// Whether the projections are certainly apart: one lies beyond an edge of the other.
+    fn are_apart(&self) -> bool {
         let separates = |sides: &[f64; 3], area: f64| {
             let [p, q, r] = *sides;
-            let margin = 2.0 * self.error;
+            let margin = 2.0 * self.of.error;
             p.min(q).min(r) > area.max(0.0) + margin || p.max(q).max(r) < area.min(0.0) - margin
         };
         self.b_to_a.iter().any(|sides| separates(sides, self.areas[0]))
@@ -322,7 +337,8 @@ impl Projected {
 
     /// The travels of contact, if f64 decides them within the tolerance.
     fn interval(&self, sweep: &Sweep) -> Result<Option<Interval>, Doubt> {
-        let is_certain = |side: &f64| side.abs() > self.error;
+        let Projected { a, b, box_a, box_b, error, .. } = self.of;
+        let is_certain = |side: &f64| side.abs() > *error;
         let mut signs = self.b_to_a.as_flattened().iter().chain(self.a_to_b.as_flattened());
         if !signs.all(is_certain) {
             return Err(Doubt);
@@ -330,12 +346,12 @@ impl Projected {
         let mut found = Found::NOTHING;
         for k in 0..3 {
             let of_b = [self.b_to_a[0][k], self.b_to_a[1][k], self.b_to_a[2][k]];
-            if let Some((height, error)) = self.height_inside(&self.a, &self.box_a, of_b) {
-                found.add(Feature::CornerOfB(k), height - self.b[k][2], error);
+            if let Some((height, error)) = self.height_inside(a, box_a, of_b) {
+                found.add(Feature::CornerOfB(k), height - b[k][2], error);
             }
             let of_a = [self.a_to_b[0][k], self.a_to_b[1][k], self.a_to_b[2][k]];
-            if let Some((height, error)) = self.height_inside(&self.b, &self.box_b, of_a) {
-                found.add(Feature::CornerOfA(k), self.a[k][2] - height, error);
+            if let Some((height, error)) = self.height_inside(b, box_b, of_a) {
+                found.add(Feature::CornerOfA(k), a[k][2] - height, error);
             }
         }
         for i in 0..3 {
@@ -347,16 +363,16 @@ impl Projected {
                     continue;
                 }
                 let ((share_a, error_a), (share_b, error_b)) = (self.share(of_a), self.share(of_b));
-                let [x, y, rise_a] = [0, 1, 2].map(|c| self.a[next_i][c] - self.a[i][c]);
-                let rise_b = self.b[next_k][2] - self.b[k][2];
-                let travel = (self.a[i][2] + rise_a * share_a) - (self.b[k][2] + rise_b * share_b);
+                let [x, y, rise_a] = [0, 1, 2].map(|c| a[next_i][c] - a[i][c]);
+                let rise_b = b[next_k][2] - b[k][2];
+                let travel = (a[i][2] + rise_a * share_a) - (b[k][2] + rise_b * share_b);
                 // The place on A's edge is to be as certain as the travel.
                 let length = (x.abs() + y.abs()) + rise_a.abs();
                 let error = length * error_a + rise_b.abs() * error_b;
                 found.add(Feature::EdgeOfA(i, share_a), travel, error);
             }
         }
-        found.interval(sweep, self.height_error())
+        found.interval(sweep, self.of.height_error())
     }
 
     /// The height of a triangle at a point with these sides to its edges, and its error (m), if the
@@ -374,8 +390,8 @@ impl Projected {
             let [low, second, last] = [of[0][2], of[1][2], of[2][2]];
             let sum = (of_last + of_first) + of_second;
             let rise = (second - low) * of_second + (last - low) * of_last;
-            let error = 3.0 * self.error * (box_[2][1] - box_[2][0]);
-            (low + rise / sum, error / (sum.abs() - 3.0 * self.error))
+            let error = 3.0 * self.of.error * (box_[2][1] - box_[2][0]);
+            (low + rise / sum, error / (sum.abs() - 3.0 * self.of.error))
         })
     }
 
@@ -383,7 +399,7 @@ impl Projected {
     /// and its error.
     fn share(&self, [p, q]: [f64; 2]) -> (f64, f64) {
         let between = p - q;
-        (p / between, self.error / (between.abs() - 2.0 * self.error))
+        (p / between, self.of.error / (between.abs() - 2.0 * self.of.error))
     }
 }
 

@@ -1,7 +1,8 @@
 //! The pairs of nodes that wait to be opened: the earliest first, in bounded memory.
 
+use super::due::Due;
 use crate::NodePair;
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Maximum number of pairs that are kept in order. More are opened depth first: a pass at a
@@ -17,23 +18,18 @@ pub struct OpenPair {
     pub from_m: f32,
 }
 
-/// The earliest is the greatest, as the heap takes it. Those of the same travel by their nodes, so
-/// that the order of tests depends on the trees alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Ordered(OpenPair);
-
-impl Eq for Ordered {}
-
-impl Ord for Ordered {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let order = other.0.from_m.total_cmp(&self.0.from_m);
-        order.then_with(|| other.0.pair.cmp(&self.0.pair))
+impl OpenPair {
+    /// Those of the same travel by their nodes, so that the order of tests depends on the trees
+    /// alone.
+    #[inline]
+    fn due(self) -> Due {
+        Due::new(self.from_m, [self.pair.a, self.pair.b])
     }
-}
 
-impl PartialOrd for Ordered {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
+    #[inline]
+    fn of(due: Due) -> Self {
+        let [a, b] = due.numbers();
+        Self { pair: NodePair { a, b }, from_m: due.from_m() }
     }
 }
 
@@ -41,7 +37,7 @@ impl PartialOrd for Ordered {
 /// first, so that they stay few.
 #[derive(Clone, Debug)]
 pub(super) struct Frontier {
-    ordered: BinaryHeap<Ordered>,
+    ordered: BinaryHeap<Reverse<Due>>,
     stack: Vec<OpenPair>,
     room: usize,
 }
@@ -71,7 +67,7 @@ impl Frontier {
     #[inline]
     pub(super) fn push(&mut self, open: OpenPair) {
         if self.ordered.len() < ORDERED_MAX {
-            self.ordered.push(Ordered(open));
+            self.ordered.push(Reverse(open.due()));
         } else {
             self.stack.push(open);
         }
@@ -80,12 +76,14 @@ impl Frontier {
     /// What [`Frontier::pop`] would return.
     #[inline]
     pub(super) fn peek(&self) -> Option<OpenPair> {
-        self.stack.last().copied().or_else(|| self.ordered.peek().map(|ordered| ordered.0))
+        let ordered = || self.ordered.peek().map(|Reverse(due)| OpenPair::of(*due));
+        self.stack.last().copied().or_else(ordered)
     }
 
     #[inline]
     pub(super) fn pop(&mut self) -> Option<OpenPair> {
-        self.stack.pop().or_else(|| self.ordered.pop().map(|ordered| ordered.0))
+        let ordered = || self.ordered.pop().map(|Reverse(due)| OpenPair::of(due));
+        self.stack.pop().or_else(ordered)
     }
 
     /// Drops pairs at the end that begin after a travel (m): of the stack those on top, of the
@@ -95,7 +93,7 @@ impl Frontier {
             self.stack.pop();
         }
         let first = self.ordered.peek();
-        if first.is_some_and(|ordered| f64::from(ordered.0.from_m) > limit_m) {
+        if first.is_some_and(|Reverse(due)| f64::from(due.from_m()) > limit_m) {
             self.ordered.clear();
         }
     }
@@ -103,7 +101,7 @@ impl Frontier {
     /// Puts the pairs pushed last, from number `from` of the stack on, in order: the earliest on
     /// top.
     pub(super) fn sort_stack(&mut self, from: usize) {
-        self.stack[from..].sort_unstable_by_key(|open| Ordered(*open));
+        self.stack[from..].sort_unstable_by_key(|open| Reverse(open.due()));
     }
 
     /// Number of pairs on the stack.
@@ -112,14 +110,18 @@ impl Frontier {
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = OpenPair> + '_ {
-        self.stack.iter().copied().chain(self.ordered.iter().map(|ordered| ordered.0))
+        let ordered = self.ordered.iter().map(|Reverse(due)| OpenPair::of(*due));
+        self.stack.iter().copied().chain(ordered)
     }
 
     /// Changes every pair, in place: its nodes, not its travel.
     pub(super) fn rename(&mut self, mut name: impl FnMut(NodePair) -> NodePair) {
         self.stack.iter_mut().for_each(|open| open.pair = name(open.pair));
         let mut ordered = std::mem::take(&mut self.ordered).into_vec();
-        ordered.iter_mut().for_each(|open| open.0.pair = name(open.0.pair));
+        for Reverse(due) in &mut ordered {
+            let open = OpenPair::of(*due);
+            *due = OpenPair { pair: name(open.pair), ..open }.due();
+        }
         // Neither conversion allocates; the order is restored in linear time.
         self.ordered = BinaryHeap::from(ordered);
     }

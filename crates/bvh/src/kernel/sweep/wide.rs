@@ -5,6 +5,7 @@
 //! the motion. The triangles of each that may meet the other leaf meanwhile are placed in a frame
 //! close to both at the begin of that piece ([`geometry::patch`]).
 
+use super::due::Due;
 use super::static_wide::{self, Tree, entrance, leaf};
 use super::{End, OpenPair, Search, SweepTask};
 use crate::NodePair;
@@ -15,6 +16,8 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use geometry::patch::{LANES as EIGHT, SweptPairs, down, up};
 use geometry::{Aabb, Patch, Posed};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 /// Scratch of the wide walk, allocated once.
@@ -25,12 +28,12 @@ pub(super) struct Scratch {
     pairs: SweptPairs,
     /// Numbers of triangles of A and of B that are not apart, and the travel from when on they may
     /// touch (m from the reference).
-    left: Vec<([u32; 2], f32)>,
+    left: BinaryHeap<Reverse<Due>>,
     start_a: [WideNode; static_wide::BLOCKS],
     start_b: [WideNode; static_wide::BLOCKS],
 }
 
-/// Maximum number of pairs of triangles that are sorted by travel together.
+/// Maximum number of pairs of triangles that wait together.
 const LEFT_MAX: usize = 1 << 11;
 
 impl Scratch {
@@ -39,7 +42,7 @@ impl Scratch {
             patch_a: Patch::default(),
             patch_b: Patch::default(),
             pairs: SweptPairs::default(),
-            left: Vec::with_capacity(LEFT_MAX),
+            left: BinaryHeap::with_capacity(LEFT_MAX),
             start_a: [WideNode::EMPTY; static_wide::BLOCKS],
             start_b: [WideNode::EMPTY; static_wide::BLOCKS],
         }
@@ -58,7 +61,7 @@ struct Walk<'w, 't, 's, 'a> {
     patch_a: &'w mut Patch,
     patch_b: &'w mut Patch,
     pairs: &'w mut SweptPairs,
-    left: &'w mut Vec<([u32; 2], f32)>,
+    left: &'w mut BinaryHeap<Reverse<Due>>,
     tree_a: Tree<'t>,
     tree_b: Tree<'t>,
     search: &'w mut Search<'s, 'a>,
@@ -234,7 +237,7 @@ impl Walk<'_, '_, '_, '_> {
                     if self.left.len() == LEFT_MAX {
                         decide(self.search, self.left, begin_m);
                     }
-                    self.left.push(([*a, *b], *first));
+                    self.left.push(Reverse(Due::new(*first, [*a, *b])));
                 }
             }
         }
@@ -243,12 +246,12 @@ impl Walk<'_, '_, '_, '_> {
 }
 
 /// Decides pairs of triangles, those first that may touch first.
-fn decide(search: &mut Search<'_, '_>, left: &mut Vec<([u32; 2], f32)>, reference_m: f64) {
-    left.sort_unstable_by(|(p, first_p), (q, first_q)| first_p.total_cmp(first_q).then(p.cmp(q)));
-    for (triangles, first) in left.drain(..) {
-        if reference_m + f64::from(first) > search.limit_m() {
+fn decide(search: &mut Search<'_, '_>, left: &mut BinaryHeap<Reverse<Due>>, reference_m: f64) {
+    while let Some(Reverse(due)) = left.pop() {
+        if reference_m + f64::from(due.from_m()) > search.limit_m() {
             break;
         }
-        search.test(triangles);
+        search.test(due.numbers());
     }
+    left.clear();
 }

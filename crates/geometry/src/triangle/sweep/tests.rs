@@ -81,10 +81,11 @@ proptest! {
     fn is_the_same_by_f64_and_exactly(a in triangle(), b in triangle(), d in direction()) {
         let sweep = Sweep::new(d, -20.0, 20.0).unwrap();
         let projected = Projected::of(&a, &b, &sweep);
+        let sides = Sides::of(&projected);
         let exact = exact::interval(&a, &b, sweep.direction);
-        if projected.are_apart() {
+        if projected.are_beyond() || sides.are_apart() {
             prop_assert!(exact.is_none());
-        } else if let Ok(interval) = projected.interval(&sweep) {
+        } else if let Ok(interval) = sides.interval(&sweep) {
             prop_assert_eq!(interval.is_some(), exact.is_some());
             if let (Some(f64), Some(exact)) = (interval, exact) {
                 prop_assert!((f64.start - exact.start).abs() <= TOLERANCE_M);

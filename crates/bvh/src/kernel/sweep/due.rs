@@ -1,0 +1,36 @@
+//! Work that is due at a travel, in the order in which it is to be done.
+
+/// Two numbers and a travel, in one number: the earliest is the least, and of those of the same
+/// travel that with the least numbers. So a heap compares without branches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Due(u128);
+
+/// The sign of a float.
+const SIGN: u32 = 1 << 31;
+
+impl Due {
+    /// `from_m` is a travel (m), which is not NaN.
+    #[inline]
+    pub(super) fn new(from_m: f32, [a, b]: [u32; 2]) -> Self {
+        let bits = from_m.to_bits();
+        // As `f32::total_cmp` orders them: of negative ones, the greater bits are the lesser float.
+        let order = if bits & SIGN == 0 { bits | SIGN } else { !bits };
+        Self(u128::from(order) << 64 | u128::from(a) << 32 | u128::from(b))
+    }
+
+    /// The travel (m).
+    #[inline]
+    pub(super) fn from_m(self) -> f32 {
+        let order = (self.0 >> 64) as u32;
+        f32::from_bits(if order & SIGN == 0 { !order } else { order & !SIGN })
+    }
+
+    /// The numbers.
+    #[inline]
+    pub(super) fn numbers(self) -> [u32; 2] {
+        [(self.0 >> 32) as u32, self.0 as u32]
+    }
+}
+
+#[cfg(test)]
+mod tests;
