@@ -5,7 +5,7 @@ use super::member::Member;
 use super::persons::People;
 use super::way::Scenery;
 use super::*;
-use crate::fixtures::{AHEAD_M, body, cuboid, mirrored, sedan_of};
+use crate::fixtures::{body, cuboid, sedan_of};
 use crate::in_process::InProcessExecutor;
 use crate::request::Request;
 use crate::work::SurveyRun;
@@ -14,10 +14,11 @@ use bvh::support::support_near;
 use damage::{AnswerState, Criteria, Policy};
 use executor::encounter::Encounters;
 use geometry::DVec3;
-use geometry::rng::Rng;
 use scenario::Members;
 use std::ops::ControlFlow;
 use std::rc::Rc;
+
+mod mirrors;
 
 /// Ranks a scenario whose parties, by name, have these bodies; and its replay gives that answer.
 fn ranked_within(text: &str, bodies: &[&Body], limits: RequestLimits) -> Answer {
@@ -99,35 +100,6 @@ fn only(answer: &Answer) -> &CourseRow {
 
 fn met(row: &CourseRow) -> Vec<&str> {
     row.contacts.iter().map(|contact| contact.party.as_str()).collect()
-}
-
-#[test]
-fn mirrors_meet_whenever_the_scene_begins() {
-    let mut rng = Rng::new(32);
-    for thickness_m in [0.002, 0.01, 0.02, 0.06] {
-        let car = mirrored(0.2, thickness_m);
-        let mut harm: Option<f64> = None;
-        for _ in 0..60 {
-            let before_m = rng.between(0.1, 20.0);
-            // They close at 20 m/s, and their mirrors meet where they are as far apart as this.
-            let meet_m = 2.0 * AHEAD_M + f64::from(thickness_m as f32);
-            let x = meet_m + before_m;
-            let state = format!(
-                "state = {{ position_m = [{x:?}, 2.02, 0], yaw_deg = 180, speed_m_s = 10 }}"
-            );
-            let text = format!("{}{}{}", ego(), party("other", "sedan", &state), go_on(10.0));
-            let answer = ranked(&text, &[&car, &car]);
-            let row = only(&answer);
-            assert_eq!(met(row), ["other"], "{thickness_m} m, {before_m} m before");
-            let contact = &row.contacts[0];
-            let off_s = contact.time_s - before_m / 20.0;
-            assert!(off_s.abs() < 1e-6, "{thickness_m} m, {before_m} m before: {off_s} s off");
-            assert!(contact.is_certain);
-            let now = contact.persons.iter().map(|person| person.work.hi()).sum::<f64>();
-            let first = *harm.get_or_insert(now);
-            assert!((now - first).abs() <= 1e-3 * first, "{first} and {now}");
-        }
-    }
 }
 
 #[test]
