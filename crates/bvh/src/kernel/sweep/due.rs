@@ -9,10 +9,10 @@ pub(super) struct Due(u128);
 const SIGN: u32 = 1 << 31;
 
 impl Due {
-    /// `from_m` is a travel (m), which is not NaN.
+    /// `travel_m` is not NaN.
     #[inline]
-    pub(super) fn new(from_m: f32, [a, b]: [u32; 2]) -> Self {
-        let bits = from_m.to_bits();
+    pub(super) fn new(travel_m: f32, [a, b]: [u32; 2]) -> Self {
+        let bits = travel_m.to_bits();
         // As `f32::total_cmp` orders them: of negative ones, the greater bits are the lesser float.
         let order = if bits & SIGN == 0 { bits | SIGN } else { !bits };
         Self(u128::from(order) << 64 | u128::from(a) << 32 | u128::from(b))
@@ -20,7 +20,7 @@ impl Due {
 
     /// The travel (m).
     #[inline]
-    pub(super) fn from_m(self) -> f32 {
+    pub(super) fn travel_m(self) -> f32 {
         let order = (self.0 >> 64) as u32;
         f32::from_bits(if order & SIGN == 0 { !order } else { order & !SIGN })
     }

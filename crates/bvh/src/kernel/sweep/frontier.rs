@@ -29,7 +29,7 @@ impl OpenPair {
     #[inline]
     fn of(due: Due) -> Self {
         let [a, b] = due.numbers();
-        Self { pair: NodePair { a, b }, from_m: due.from_m() }
+        Self { pair: NodePair { a, b }, from_m: due.travel_m() }
     }
 }
 
@@ -93,7 +93,7 @@ impl Frontier {
             self.stack.pop();
         }
         let first = self.ordered.peek();
-        if first.is_some_and(|Reverse(due)| f64::from(due.from_m()) > limit_m) {
+        if first.is_some_and(|Reverse(due)| f64::from(due.travel_m()) > limit_m) {
             self.ordered.clear();
         }
     }

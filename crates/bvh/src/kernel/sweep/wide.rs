@@ -248,7 +248,7 @@ impl Walk<'_, '_, '_, '_> {
 /// Decides pairs of triangles, those first that may touch first.
 fn decide(search: &mut Search<'_, '_>, left: &mut BinaryHeap<Reverse<Due>>, reference_m: f64) {
     while let Some(Reverse(due)) = left.pop() {
-        if reference_m + f64::from(due.from_m()) > search.limit_m() {
+        if reference_m + f64::from(due.travel_m()) > search.limit_m() {
             break;
         }
         search.test(due.numbers());

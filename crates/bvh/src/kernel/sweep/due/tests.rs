@@ -19,6 +19,6 @@ fn the_order_is_that_of_travels_and_then_of_numbers() {
         let order = p.0.total_cmp(&q.0).then(p.1.cmp(&q.1));
         let [due_p, due_q] = [p, q].map(|(travel, numbers)| Due::new(travel, numbers));
         assert_eq!(due_p.cmp(&due_q), order, "{p:?} {q:?}");
-        assert_eq!((due_p.from_m().to_bits(), due_p.numbers()), (p.0.to_bits(), p.1));
+        assert_eq!((due_p.travel_m().to_bits(), due_p.numbers()), (p.0.to_bits(), p.1));
     }
 }
