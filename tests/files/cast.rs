@@ -1,12 +1,15 @@
 //! `trolley intersect --cast` compared with brute force and with exact poses, and its errors.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use crate::support::{Place, json, text, trolley};
+use crate::support::{Place, json, shipped, text, trolley};
+use body::Shape;
+use geometry::rng::Rng;
 use geometry::sweep::first_contact;
 use geometry::{Corners, DVec3, Pose, RelativePose, Sweep, Triangle};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
+use trolley::kernel::{Build, BuildOptions, SweepWorkspace, Tree, Walk, read_mesh};
 
 fn utf8(path: &Path) -> &str {
     path.to_str().unwrap()
@@ -77,16 +80,81 @@ impl Traffic {
         let sweep = Sweep::new(DVec3::from_array([0, 1, 2].map(along)), from_m, to_m).unwrap();
         let pose = RelativePose::between(&self.poses[0], &self.poses[1]);
         let [a, b] = ["a.stl", "b.stl"].map(|name| triangles(&self.place.path().join(name)));
-        let mut found = Vec::new();
-        for (i, of_a) in (0..).zip(&a) {
-            for (j, of_b) in (0..).zip(&b) {
-                let touch = first_contact(&Triangle::stored(of_a), &pose.triangle(of_b), &sweep);
-                found.extend(touch.map(|touch| (touch.travel_m, [i, j])));
+        by_brute_force(&a, &b, &pose, &sweep)
+    }
+}
+
+/// Every triangle against every other: travels and numbers of all that touch, in order.
+fn by_brute_force(
+    a: &[Corners],
+    b: &[Corners],
+    pose: &RelativePose,
+    sweep: &Sweep,
+) -> Vec<(f64, [u32; 2])> {
+    let moved: Vec<Triangle> = b.iter().map(|corners| pose.triangle(corners)).collect();
+    let mut found = Vec::new();
+    for (i, of_a) in (0..).zip(a) {
+        for (j, of_b) in (0..).zip(&moved) {
+            let touch = first_contact(&Triangle::stored(of_a), of_b, sweep);
+            found.extend(touch.map(|touch| (touch.travel_m, [i, j])));
+        }
+    }
+    found.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    found
+}
+
+/// Directions from which each pair of bodies is tried.
+const DIRECTIONS: u32 = 32;
+
+#[test]
+fn first_contact_of_generated_and_real_bodies_is_that_of_brute_force() {
+    let of_file = |name: &str| read_mesh(shipped(name)).unwrap();
+    let generated = |shape| shapes::generate(shape, 700, 3).unwrap().corners;
+    let (hatchback, barrier) = (of_file("hatchback.obj"), of_file("jersey_barrier.dae"));
+    let shapes = [Shape::Sedan, Shape::Truck, Shape::Pedestrian, Shape::Cyclist, Shape::Pole];
+    let [sedan, truck, pedestrian, cyclist, pole] = shapes.map(generated);
+    let pairs = [
+        [&sedan, &truck],
+        [&sedan, &pedestrian],
+        [&truck, &cyclist],
+        [&sedan, &pole],
+        [&hatchback, &sedan],
+        [&hatchback, &barrier],
+        [&hatchback, &pedestrian],
+        [&barrier, &truck],
+        [&hatchback, &hatchback],
+    ];
+    let builds = [(Build::Sah, 4), (Build::Paper, 1), (Build::Literal, 64), (Build::Sah, 16)];
+    let (mut rng, mut workspace) = (Rng::new(31), SweepWorkspace::new());
+    let mut contacts = 0;
+    for (number, pair) in pairs.iter().enumerate() {
+        let trees = builds.map(|(build, leaf_size)| {
+            let options = BuildOptions { build, leaf_size, threads: 1 };
+            pair.map(|corners| Tree::build(corners, &options).unwrap())
+        });
+        for direction in 0..DIRECTIONS {
+            // From all round, each somewhat past the middle of A.
+            let turn = f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU;
+            let toward = DVec3::new(-turn.cos(), -turn.sin(), rng.between(-0.1, 0.1));
+            let aside = DVec3::new(-toward.y, toward.x, 0.0) * rng.between(-2.0, 2.0);
+            let [yaw, pitch, roll] = [180.0, 8.0, 8.0].map(|most| rng.between(-most, most));
+            let at = aside - toward * 9.0 + DVec3::Z * rng.between(-0.3, 0.3);
+            let stands = Pose::from_degrees(yaw, pitch, roll, at.to_array());
+            let pose = RelativePose::between(&Pose::IDENTITY, &stands);
+            let sweep = Sweep::new(toward, 0.0, 18.0).unwrap();
+            let truth = by_brute_force(pair[0], pair[1], &pose, &sweep).first().copied();
+            contacts += u32::from(truth.is_some());
+            for [a, b] in &trees {
+                for walk in [Walk::Wide, Walk::Plain] {
+                    workspace.set_walk(walk);
+                    let first = trolley::kernel::first_contact(a, b, &pose, &sweep, &mut workspace);
+                    let first = first.unwrap().map(|witness| (witness.travel_m, witness.ids));
+                    assert_eq!(first, truth, "pair {number}, {turn} rad, {walk:?}");
+                }
             }
         }
-        found.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
-        found
     }
+    assert!(contacts > DIRECTIONS * pairs.len() as u32 / 2, "{contacts} touch");
 }
 
 #[test]
