@@ -302,7 +302,7 @@ fn follow(
             &judged,
             people.stakes(),
             contacts,
-            is_due,
+            (is_due, &surveyor.idle_cores()),
         )?
     } else {
         None

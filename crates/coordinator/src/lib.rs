@@ -29,6 +29,7 @@ mod extent;
 #[cfg(test)]
 mod fixtures;
 mod gather;
+mod idle_cores;
 mod in_process;
 mod job_history;
 mod looks;
@@ -58,6 +59,7 @@ pub use course::{
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};
 pub use explain::{ContactChain, PersonChain, PolicyStep, Separation};
 pub use extent::RequestExtent;
+pub use idle_cores::HELPER_STACK_BYTES;
 pub use in_process::{InProcessExecutor, run_in_process, run_watched};
 pub use pairs::{PairWork, PoseFound, Spent};
 pub use request::RequestError;

@@ -40,6 +40,7 @@ pub use options::Options;
 pub use preflight::{FILES, FILES_PER_WORKER, MissingRequirement, link_sizes, preflight};
 pub use report::{Duty, Hardware, WorkerPoolReport, WorkerReport};
 
+use crate::idle_cores::IdleCores;
 use crate::work::{PartOf, TaskSource};
 use chunk::Outgoing;
 use core::sync::atomic::Ordering;
@@ -182,6 +183,11 @@ impl WorkerPool {
     #[must_use]
     pub fn pids(&self) -> Vec<u32> {
         self.workers.iter().map(|worker| worker.report.pid).collect()
+    }
+
+    /// The cores of the workers: idle while none of them is given work.
+    pub(crate) fn idle_cores(&self) -> IdleCores {
+        IdleCores::of(&self.options.cores)
     }
 
     /// Whether sections are copied into the memory of each worker.

@@ -1,5 +1,6 @@
 //! What requests are worked on with: sealed bodies, and workers or this process.
 
+use crate::idle_cores::IdleCores;
 use crate::in_process::InProcessExecutor;
 use crate::request::RequestError;
 use crate::work::TaskSource;
@@ -99,6 +100,11 @@ impl Backend {
     #[must_use]
     pub fn report(&self) -> Option<WorkerPoolReport> {
         self.worker_pool().map(WorkerPool::report)
+    }
+
+    /// The cores of workers, which wait while no work is off; none in this process.
+    pub(crate) fn idle_cores(&self) -> IdleCores {
+        self.worker_pool().map_or_else(IdleCores::default, WorkerPool::idle_cores)
     }
 
     /// What is called while a request is worked on, if something is.

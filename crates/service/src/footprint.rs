@@ -6,7 +6,7 @@
 
 use crate::deployment::Deployment;
 use crate::housekeeping::WAITING;
-use coordinator::{FILES, FILES_PER_WORKER, RequestExtent, link_sizes};
+use coordinator::{FILES, FILES_PER_WORKER, HELPER_STACK_BYTES, RequestExtent, link_sizes};
 use protocol::StatusPage;
 use protocol::launch::PATHS_WORDS;
 use protocol::public::{Ask, CANDIDATES_MAX, PARTIES_MAX, STATES_MAX, WireAnswer};
@@ -115,7 +115,9 @@ impl ResourceBounds {
         let heap = start.max(work) + SHELL_BYTES * models.triangles + decisions + waiting;
         // Pieces that fit nothing: the same requests one after the other were seen to add 8 %.
         let heap = SERVICE_BYTES + heap + heap / 8;
-        let stacks = SERVICE_THREADS * STACK_BYTES + models.cores * BUILDER_BYTES;
+        // Trees are built at the start; later a thread for each worker that waits may help.
+        let helpers = (models.cores * BUILDER_BYTES).max(workers * HELPER_STACK_BYTES);
+        let stacks = SERVICE_THREADS * STACK_BYTES + helpers;
         let in_worker = WORKER_BYTES + 2 * models.largest_triangles;
 
         let links = workers * sizes.link_bytes();
@@ -131,7 +133,7 @@ impl ResourceBounds {
             own_bytes: heap + stacks + unnamed + shared_bytes() + links,
             program_bytes: program,
             descriptors: FILES + FILES_PER_WORKER * workers as u64,
-            threads: SERVICE_THREADS + models.cores,
+            threads: SERVICE_THREADS + models.cores.max(workers),
         };
         let worker = ProcessBound {
             process: "worker",

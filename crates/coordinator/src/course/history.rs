@@ -8,6 +8,7 @@
 
 use super::search::CourseSearch;
 use super::{CourseRequest, RankedCourses, follow};
+use crate::idle_cores::IdleCores;
 use crate::looks::{LookEffort, LookSource as _, look_here};
 use crate::request_limits::RequestLimits;
 use crate::work::SurveyRun;
@@ -254,6 +255,14 @@ impl<'s> Surveyor<'s> {
             }
             #[cfg(any(test, feature = "faults"))]
             Self::Lossy { executor, rng, loses } => Ok(work_off_lossy(work, executor, rng, *loses)),
+        }
+    }
+
+    /// The cores that may help this process between rounds.
+    pub(super) fn idle_cores(&self) -> IdleCores {
+        match self {
+            Self::Backend { backend, .. } => backend.idle_cores(),
+            _ => IdleCores::default(),
         }
     }
 

@@ -27,6 +27,7 @@ use super::worlds;
 use super::{Answer, Course, CourseEffort, CourseRequest, Followed, Judged};
 use super::{counts, names_of, total_harm};
 use crate::answer::{self, PersonRow};
+use crate::idle_cores::IdleCores;
 use crate::request::RequestError;
 use crate::request_limits::{RequestLimits, Until};
 use crate::workspace::{Backend, BodySet, RunError};
@@ -251,7 +252,8 @@ impl SearchedCourses {
             let contacts: Vec<Vec<&ContactFacts>> =
                 drawn.iter().map(SearchedCourse::facts).collect();
             let contacts = (&contacts[..], self.parties.len());
-            worlds::found((criteria, worlds), &judged, stakes, contacts, None)?
+            let alone = (None, &IdleCores::default());
+            worlds::found((criteria, worlds), &judged, stakes, contacts, alone)?
         } else {
             None
         };

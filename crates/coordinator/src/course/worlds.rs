@@ -5,6 +5,7 @@
 
 use super::contact_facts::ContactFacts;
 use super::{Answer, Judged};
+use crate::idle_cores::IdleCores;
 use crate::request::RequestError;
 use damage::expected::Mean;
 use damage::world::{Doubt, World, WorldDraw};
@@ -14,7 +15,7 @@ use serde::Serialize;
 use smallvec::SmallVec;
 
 /// How many there are at most in which one thing alone is drawn.
-const WORLDS_OF_ONE: u32 = 64;
+const WORLDS_OF_ONE: usize = 64;
 
 /// The worlds of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -61,33 +62,52 @@ struct Worlds<'w> {
     members: Vec<&'w [Vec<&'w ContactFacts>]>,
     /// Expected harm with what is nominal: the model range is that of this.
     nominal: &'w [CourseHarm],
+    /// Who shares the work on a block of worlds.
+    cores: &'w IdleCores,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+struct Buffers {
     scratch: Scratch,
     ranking: RankedCandidates,
 }
 
+/// Worlds that are ranked together: between blocks it is asked whether there is time.
+const BLOCK: usize = 16;
+
+/// Contacts in all members below which others do not help: a block then takes no longer than some
+/// threads take to start.
+const SHARED_MIN: usize = 64;
+
+/// Who wins, and with which part where several are equally good.
+type Winners = SmallVec<[(usize, f64); 4]>;
+
 /// Ranks the candidates in all worlds; `None` if none are asked for, or if `is_due` says that there
-/// is no time. `contacts` are those of every candidate in every member, by member; a world draws
-/// masses for so many `parties`.
+/// is no time, which is asked once for each world, whoever ranks it. `contacts` are those of every
+/// candidate in every member, by member; a world draws masses for so many `parties`.
 pub(super) fn found(
     (criteria, asked): (&Criteria, scenario::Worlds),
     judged: &Judged,
     stakes: Vec<damage::rule::Stake>,
     (contacts, parties): (&[Vec<&ContactFacts>], usize),
-    is_due: Option<&dyn Fn() -> bool>,
+    (is_due, cores): (Option<&dyn Fn() -> bool>, &IdleCores),
 ) -> Result<Option<WorldsFound>, RequestError> {
     if asked.count == 0 {
         return Ok(None);
     }
     let candidates = judged.harms.len();
-    let mut worlds = Worlds {
+    let alone = IdleCores::default();
+    let are_many = contacts.iter().map(Vec::len).sum::<usize>() >= SHARED_MIN;
+    let worlds = Worlds {
         criteria,
         stakes,
         members: contacts.chunks(candidates).collect(),
         nominal: &judged.harms,
-        scratch: Scratch::default(),
-        ranking: RankedCandidates::default(),
+        cores: if are_many { cores } else { &alone },
     };
-    let is_late = || is_due.is_some_and(|is_due| is_due());
+    let mut buffers = Buffers::default();
+    let is_late = |block: &[u32]| is_due.is_some_and(|is_due| block.iter().any(|_| is_due()));
     let coordinate = |number: u32, dimension: u32| asked.coordinate(number, dimension);
     let draw = |number: u32| WorldDraw {
         restitution: coordinate(number, 0),
@@ -95,41 +115,51 @@ pub(super) fn found(
         curves: Some(coordinate(number, 2)),
         masses: (0..parties).map(|party| coordinate(number, 3 + party as u32)).collect(),
     };
+    let numbers: Vec<u32> = (0..asked.count).collect();
     let mut won = vec![0.0; candidates];
-    for number in 0..asked.count {
-        if is_late() {
+    for block in numbers.chunks(BLOCK) {
+        if is_late(block) {
             return Ok(None);
         }
-        for (winner, share) in worlds.winners(&worlds.world(draw(number)))? {
-            won[winner] += share;
+        let drawn: Vec<World> = block.iter().map(|number| worlds.world(draw(*number))).collect();
+        for winners in worlds.winners(&mut buffers, &drawn) {
+            for (winner, share) in winners? {
+                won[winner] += share;
+            }
         }
     }
     won.iter_mut().for_each(|won| *won /= f64::from(asked.count));
     let first = judged.ranking.places.first().map_or(0, |place| place.candidate);
-    let of_one = WORLDS_OF_ONE.min(asked.count);
+    let of_one = &numbers[..numbers.len().min(WORLDS_OF_ONE)];
     let mut flips = Vec::new();
     for doubt in Doubt::ALL {
-        let mut kept = 0.0;
         // There are few sets of curves: many draws are one world.
-        let mut known: Vec<(World, f64)> = Vec::new();
-        for number in 0..of_one {
-            if is_late() {
+        let (mut known, mut shares): (Vec<World>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut kept = 0.0;
+        for block in of_one.chunks(BLOCK) {
+            if is_late(block) {
                 return Ok(None);
             }
-            let world = worlds.world(draw(number).only(doubt));
-            let share = match known.iter().find(|(other, _)| other.is_same(&world)) {
-                Some((_, share)) => *share,
-                None => {
-                    let winners = worlds.winners(&world)?;
-                    let share = winners.iter().find(|(winner, _)| *winner == first);
-                    let share = share.map_or(0.0, |(_, share)| *share);
-                    known.push((world, share));
-                    share
-                }
-            };
-            kept += share;
+            let before = known.len();
+            let mut places: SmallVec<[usize; BLOCK]> = SmallVec::new();
+            for number in block {
+                let world = worlds.world(draw(*number).only(doubt));
+                let place = known.iter().position(|other| other.is_same(&world));
+                places.push(place.unwrap_or_else(|| {
+                    known.push(world);
+                    known.len() - 1
+                }));
+            }
+            for winners in worlds.winners(&mut buffers, &known[before..]) {
+                let winners = winners?;
+                let share = winners.iter().find(|(winner, _)| *winner == first);
+                shares.push(share.map_or(0.0, |(_, share)| *share));
+            }
+            for place in places {
+                kept += shares[place];
+            }
         }
-        let lost = 1.0 - kept / f64::from(of_one);
+        let lost = 1.0 - kept / of_one.len() as f64;
         if lost > 0.0 {
             flips.push(FlipRow { doubt, lost });
         }
@@ -144,11 +174,20 @@ impl Worlds<'_> {
         World::of(draw, &self.criteria.parameters, &self.criteria.curves)
     }
 
-    /// Who wins in a world, and with which part where several are equally good.
-    fn winners(&mut self, world: &World) -> Result<SmallVec<[(usize, f64); 4]>, RequestError> {
+    /// Who wins in each of these worlds.
+    fn winners(
+        &self,
+        buffers: &mut Buffers,
+        worlds: &[World],
+    ) -> Vec<Result<Winners, RequestError>> {
+        self.cores
+            .map(buffers, worlds.len(), |buffers, number| self.winner(buffers, &worlds[number]))
+    }
+
+    fn winner(&self, buffers: &mut Buffers, world: &World) -> Result<Winners, RequestError> {
         let harms = self.harms(world)?;
-        let Self { criteria, stakes, scratch, ranking, .. } = self;
-        rank_in(scratch, &criteria.policy, stakes, &harms, ranking)?;
+        let Buffers { scratch, ranking } = buffers;
+        rank_in(scratch, &self.criteria.policy, &self.stakes, &harms, ranking)?;
         let places = &ranking.places;
         let ties = places.iter().take_while(|place| place.steps == places[0].steps).count();
         Ok(places[..ties].iter().map(|place| (place.candidate, 1.0 / ties as f64)).collect())

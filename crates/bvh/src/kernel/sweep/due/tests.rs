@@ -1,3 +1,5 @@
+//! The number orders as travel and numbers do.
+
 use super::Due;
 use geometry::rng::Rng;
 

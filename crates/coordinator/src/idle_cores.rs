@@ -1,0 +1,67 @@
+//! Work of the coordinator's own, shared with the cores of workers that wait for the next jobs.
+
+use runtime::affinity;
+use smallvec::SmallVec;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Stack of a helper (bytes): all of it is resident where memory is locked.
+pub const HELPER_STACK_BYTES: usize = 256 << 10;
+
+/// Cores whose workers wait: one thread each may help while none of them is given work.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct IdleCores(SmallVec<[Option<usize>; 8]>);
+
+impl IdleCores {
+    /// `None`: a worker that the system puts wherever it likes.
+    pub(crate) fn of(workers: &[Option<usize>]) -> Self {
+        Self(SmallVec::from_slice(workers))
+    }
+
+    /// What `of` gives for each of the numbers below `count`, in their order. Every thread has
+    /// scratch of its own; which one does what changes nothing.
+    ///
+    /// Where a thread cannot be started, the others do its part.
+    pub(crate) fn map<S: Default + Send, T: Send>(
+        &self,
+        scratch: &mut S,
+        count: usize,
+        of: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let next = AtomicUsize::new(0);
+        let (next, of) = (&next, &of);
+        let work = move |scratch: &mut S| {
+            let mut done = Vec::with_capacity(count);
+            // Each number goes to one thread, whatever the order: nothing else is shared.
+            let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+            done.extend(numbers.take_while(|k| *k < count).map(|k| (k, of(scratch, k))));
+            done
+        };
+        let mut all = thread::scope(|scope| {
+            let helper = |core: &Option<usize>| {
+                let core = *core;
+                let help = move || {
+                    // Where it may not run there, it runs anywhere.
+                    let _anywhere = core.map(affinity::pin_self);
+                    work(&mut S::default())
+                };
+                let thread = thread::Builder::new().name("trolley-helper".to_owned());
+                thread.stack_size(HELPER_STACK_BYTES).spawn_scoped(scope, help).ok()
+            };
+            let helpers: SmallVec<[_; 8]> = self.0.iter().filter_map(helper).collect();
+            let mut all = work(scratch);
+            for helper in helpers {
+                match helper.join() {
+                    Ok(done) => all.extend(done),
+                    Err(panicked) => std::panic::resume_unwind(panicked),
+                }
+            }
+            all
+        });
+        all.sort_unstable_by_key(|(k, _)| *k);
+        all.into_iter().map(|(_, found)| found).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;
