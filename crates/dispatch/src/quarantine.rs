@@ -44,6 +44,12 @@ mod tests {
     #[test]
     fn a_key_is_held_for_its_time_and_their_number_is_bounded() {
         let mut quarantine = Quarantine::default();
+        assert!(quarantine.is_empty());
+        quarantine.add(9, 0);
+        quarantine.add(10, REST_NS);
+        assert_eq!(quarantine.0.len(), 1, "what has expired is forgotten");
+        assert!(!quarantine.is_empty());
+        let mut quarantine = Quarantine::default();
         for key in 0..3 * MOST as u64 {
             quarantine.add(key, key);
         }

@@ -30,6 +30,11 @@ fn first_by<K: Ord>(cores: &[CoreView], key: impl Fn(&CoreView) -> K) -> Option<
     eligible.first().copied()
 }
 
+/// How many of a job's two sections are there.
+fn matched(view: &CoreView) -> i64 {
+    [view.has_a, view.has_b].into_iter().filter(|is_there| *is_there).count() as i64
+}
+
 proptest! {
     #[test]
     fn an_eligible_core_is_chosen_whenever_there_is_one(cores in views(), matching in matchings()) {
@@ -41,13 +46,24 @@ proptest! {
     #[test]
     fn each_end_of_alpha_and_the_lowest_match_are_what_they_say(cores in views()) {
         let choose = |mut scheme: Box<dyn MatchScheme>| scheme.choose(&cores, 64);
-        let best = first_by(&cores, |view| (2 - view.matched(), view.queued));
+        let best = first_by(&cores, |view| (2 - matched(view), view.queued));
         prop_assert_eq!(choose(Matching::BestMatchLoad(1.0).scheme()), best);
         prop_assert_eq!(choose(Matching::BestMatch.scheme()), best);
         let least = first_by(&cores, |view| view.queued);
         prop_assert_eq!(choose(Matching::BestMatchLoad(0.0).scheme()), least);
-        let lowest = first_by(&cores, |view| (view.matched(), view.queued));
+        let lowest = first_by(&cores, |view| (matched(view), view.queued));
         prop_assert_eq!(choose(Matching::LowestMatch.scheme()), lowest);
+    }
+
+    /// α in eighths and queues of 64 jobs: scores are whole numbers of 1024ths.
+    #[test]
+    fn between_its_ends_alpha_weighs_match_against_load(cores in views(), eighths in 0_i64..=8) {
+        let least = first_by(&cores, |view| {
+            let queued = i64::from(view.queued);
+            (2 * (8 - eighths) * queued - 64 * eighths * matched(view), queued)
+        });
+        let mut scheme = BestMatchLoad { alpha: eighths as f64 / 8.0 };
+        prop_assert_eq!(scheme.choose(&cores, 64), least);
     }
 
     #[test]
