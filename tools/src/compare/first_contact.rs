@@ -5,8 +5,8 @@
 //!         └────▶ drivers: parry3d, FCL, ipctk, each family in one process ──────────────┴▶ page
 //! ```
 //!
-//! Everything is pinned to one core, one program after the other; the median of up to five runs of
-//! each query counts. Nothing of a peer is checked but its answer.
+//! Everything is pinned to one core, one program after the other; the median of some runs of each
+//! query counts. Nothing of a peer is checked but its answer.
 
 mod page;
 #[cfg(test)]

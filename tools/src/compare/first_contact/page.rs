@@ -186,8 +186,8 @@ program has how many millimetres later than ours its contact is (negative: earli
 it finds none and FALSE where there is none, and how many times as long it takes. Up to a
 millimetre off counts as right. `tests` is our number of tests, of boxes and pairs, over that of
 `halving`: 16 poses and halvings down to 1 mm, as this project sought contact before. Times are
-medians of up to five runs of one query, on one core, one program after the other, without
-building trees; `not run` is what did not fit in the time for a family. parry3d computes in f32
-and stops short of contact by a margin of its own; FCL's solvers run as they come, but for 1,000
-iterations; ipctk answers with a safe step, so earlier is right for it. The names of passes say
-how wide the gap is.";
+medians of runs of one query, of 25 for us and `halving` in turns, of up to five for other
+programs, on one core, one program after the other, without building trees; `not run` is what did
+not fit in the time for a family. parry3d computes in f32 and stops short of contact by a margin of
+its own; FCL's solvers run as they come, but for 1,000 iterations; ipctk answers with a safe step,
+so earlier is right for it. The names of passes say how wide the gap is.";
