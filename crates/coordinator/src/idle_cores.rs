@@ -9,13 +9,19 @@ use std::thread;
 pub const HELPER_STACK_BYTES: usize = 256 << 10;
 
 /// Cores whose workers wait: one thread each may help while none of them is given work.
+///
+/// Helpers may run on all of these, and where the caller may: who finds a core taken by something
+/// else goes to another one, so nobody waits for a core.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct IdleCores(SmallVec<[Option<usize>; 8]>);
+pub(crate) struct IdleCores {
+    helpers: usize,
+    cores: SmallVec<[usize; 8]>,
+}
 
 impl IdleCores {
     /// `None`: a worker that the system puts wherever it likes.
     pub(crate) fn of(workers: &[Option<usize>]) -> Self {
-        Self(SmallVec::from_slice(workers))
+        Self { helpers: workers.len(), cores: workers.iter().flatten().copied().collect() }
     }
 
     /// What `of` gives for each of the numbers below `count`, in their order. Every thread has
@@ -38,17 +44,17 @@ impl IdleCores {
             done
         };
         let mut all = thread::scope(|scope| {
-            let helper = |core: &Option<usize>| {
-                let core = *core;
-                let help = move || {
-                    // Where it may not run there, it runs anywhere.
-                    let _anywhere = core.map(affinity::pin_self);
-                    work(&mut S::default())
-                };
+            let help = || {
+                // Where none of them is allowed, it runs where the caller may.
+                let _elsewhere = affinity::widen_self(&self.cores);
+                work(&mut S::default())
+            };
+            let start = |_| {
                 let thread = thread::Builder::new().name("trolley-helper".to_owned());
                 thread.stack_size(HELPER_STACK_BYTES).spawn_scoped(scope, help).ok()
             };
-            let helpers: SmallVec<[_; 8]> = self.0.iter().filter_map(helper).collect();
+            let most = self.helpers.min(count.saturating_sub(1));
+            let helpers: SmallVec<[_; 8]> = (0..most).filter_map(start).collect();
             let mut all = work(scratch);
             for helper in helpers {
                 match helper.join() {

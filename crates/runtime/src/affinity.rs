@@ -39,6 +39,19 @@ pub fn pin_self(core: usize) -> Result<()> {
         .map_err(|source| OsError::new("pin to core", core.to_string(), source))
 }
 
+/// Lets the calling thread run on these cores too, besides those where it may.
+///
+/// # Errors
+///
+/// If none of all these is allowed.
+pub fn widen_self(cores: &[usize]) -> Result<()> {
+    let widened = sched_getaffinity(None).and_then(|mut set| {
+        cores.iter().filter(|core| **core < CpuSet::MAX_CPU).for_each(|core| set.set(*core));
+        sched_setaffinity(None, &set)
+    });
+    widened.map_err(OsError::at("widen to cores", "those of workers"))
+}
+
 /// The set of this core alone.
 pub(crate) fn only(core: usize) -> std::io::Result<CpuSet> {
     if core >= CpuSet::MAX_CPU {

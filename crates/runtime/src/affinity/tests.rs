@@ -17,6 +17,21 @@ fn a_pinned_thread_stays_where_it_is() {
 }
 
 #[test]
+fn a_thread_on_one_core_may_run_on_more() {
+    let all = allowed_cores();
+    let (first, more) = (all[0], all.clone());
+    let seen = std::thread::spawn(move || {
+        pin_self(first).unwrap();
+        // One core that is not there changes nothing.
+        widen_self(&[usize::MAX]).unwrap();
+        let alone = allowed_cores();
+        widen_self(&more).unwrap();
+        (alone, allowed_cores())
+    });
+    assert_eq!(seen.join().unwrap(), (vec![first], all));
+}
+
+#[test]
 fn workers_get_cores_in_turn_and_share_those_there_are() {
     assert_eq!(in_turn(&[2, 5], 5), [2, 5, 2, 5, 2].map(Some));
     assert_eq!(in_turn(&[2, 5], 1), [Some(2)]);
