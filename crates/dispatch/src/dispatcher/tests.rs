@@ -328,6 +328,12 @@ fn a_job_that_takes_two_workers_down_is_abandoned_and_no_other() {
     }
     assert_eq!(dispatcher.counts().abandoned, 1);
     assert_eq!(work.closed, BTreeMap::from([(2, vec![Closed::Abandoned])]));
+    // Jobs without a key are not known again.
+    let mut work = Waves { left: vec![4], ..Waves::default() };
+    dispatcher.begin(NOW);
+    let who = Incarnation { worker: 0, inc: 3 };
+    dispatcher.step(0, Event::Ready(who), &mut work, &mut effects);
+    assert_eq!((dispatcher.counts().abandoned, dispatcher.counts().jobs), (0, 4));
 }
 
 /// Jobs in which each section of A meets each of B, as in one contact.

@@ -233,6 +233,37 @@ fn a_message_that_is_rejected_and_then_missed_is_one_fault() {
     assert_eq!(fixture.killed(), [(FIRST, Why::Garbled)]);
 }
 
+#[test]
+fn a_rejected_message_excuses_one_that_is_missed_and_no_other() {
+    let mut fixture = Fixture::new(2, QUEUES, 8);
+    fixture.step(Event::Garbled { from: FIRST });
+    for batches in 1..=3 {
+        assert_eq!(fixture.killed(), []);
+        fixture.step(Event::Answered { who: FIRST, batches });
+    }
+    assert_eq!(fixture.killed(), [(FIRST, Why::Forgetful)]);
+}
+
+/// Found by `cargo mutants`: only queues that were full at once had been tried.
+#[test]
+fn a_queue_that_fills_up_opens_as_soon_as_it_drains_and_numbers_go_on() {
+    for is_drained in [false, true] {
+        let mut fixture = Fixture::new(1, QUEUES, 4);
+        assert_eq!(fixture.dispatcher.counts().batches, 2);
+        assert_eq!(fixture.sent(0).len(), 2);
+        fixture.step(Event::Unsent { to: FIRST, batch: 1 });
+        assert!(fixture.sent(0).is_empty());
+        if is_drained {
+            fixture.send_part(FIRST, 0, 0);
+        } else {
+            fixture.now_ns = fixture.dispatcher.due_ns().expect("it is tried again");
+            fixture.step(Event::Poll);
+        }
+        assert_eq!(fixture.sent(0), [(1, vec![(2, 0), (3, 0)])], "drained: {is_drained}");
+        assert_eq!(fixture.dispatcher.counts().batches, 3);
+    }
+}
+
 /// Found by `cargo mutants`: what is turned away was hardly counted.
 #[test]
 fn each_message_that_is_turned_away_counts_once_under_its_reason() {
