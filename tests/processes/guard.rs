@@ -61,5 +61,5 @@ fn a_second_signal_ends_a_service_that_hangs_at_once() {
         signal(serving.child.id(), Signal::INT);
     });
     assert_eq!(code, Some(128 + 15));
-    assert!(lasted < Duration::from_millis(1_800), "{lasted:?}");
+    assert!(lasted < Duration::from_millis(1_300), "{lasted:?}");
 }
