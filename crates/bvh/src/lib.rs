@@ -45,6 +45,7 @@ pub mod support;
 pub mod tree;
 
 mod descent;
+mod float_order;
 mod hits;
 
 pub use build::{Build, BuildError, BuildOptions, Hierarchy, body, build, rebuild, worth_starting};

@@ -24,6 +24,11 @@ impl IdleCores {
         Self { helpers: workers.len(), cores: workers.iter().flatten().copied().collect() }
     }
 
+    /// How many threads share the work: the caller's, and one for each of these cores.
+    pub(crate) fn threads(&self) -> usize {
+        self.helpers + 1
+    }
+
     /// What `of` gives for each of the numbers below `count`, in their order. Every thread has
     /// scratch of its own; which one does what changes nothing.
     ///
@@ -34,6 +39,10 @@ impl IdleCores {
         count: usize,
         of: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
+        let most = self.helpers.min(count.saturating_sub(1));
+        if most == 0 {
+            return (0..count).map(|number| of(scratch, number)).collect();
+        }
         let next = AtomicUsize::new(0);
         let (next, of) = (&next, &of);
         let work = move |scratch: &mut S| {
@@ -53,7 +62,6 @@ impl IdleCores {
                 let thread = thread::Builder::new().name("trolley-helper".to_owned());
                 thread.stack_size(HELPER_STACK_BYTES).spawn_scoped(scope, help).ok()
             };
-            let most = self.helpers.min(count.saturating_sub(1));
             let helpers: SmallVec<[_; 8]> = (0..most).filter_map(start).collect();
             let mut all = work(scratch);
             for helper in helpers {

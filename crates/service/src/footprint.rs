@@ -79,6 +79,8 @@ const SERVICE_THREADS: usize = 3;
 const STACK_BYTES: usize = 2 << 20;
 /// What a thread that builds trees touches of its stack and heap besides the tree (bytes).
 const BUILDER_BYTES: usize = 512 << 10;
+/// What the heap of a further thread begins with (bytes): 132 KiB of glibc's, with a margin.
+const ARENA_BYTES: usize = 256 << 10;
 /// Bytes that building a tree takes for each triangle, besides the result (`bvh::build`).
 const BUILD_BYTES: usize = 96;
 /// How often a model is in memory while it is made: body, encoded, aligned, hashed.
@@ -116,7 +118,8 @@ impl ResourceBounds {
         // Pieces that fit nothing: the same requests one after the other were seen to add 8 %.
         let heap = SERVICE_BYTES + heap + heap / 8;
         // Trees are built at the start; later a thread for each worker that waits may help.
-        let helpers = (models.cores * BUILDER_BYTES).max(workers * HELPER_STACK_BYTES);
+        let helpers = workers * (HELPER_STACK_BYTES + ARENA_BYTES);
+        let helpers = helpers.max(models.cores * BUILDER_BYTES);
         let stacks = SERVICE_THREADS * STACK_BYTES + helpers;
         let in_worker = WORKER_BYTES + 2 * models.largest_triangles;
 

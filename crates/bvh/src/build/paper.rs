@@ -14,6 +14,7 @@
 
 use super::grow::{self, Cut, Forest, Job, Parts};
 use super::thread_pool::BuildPool;
+use crate::float_order;
 use bytemuck::{Pod, Zeroable};
 use geometry::{Aabb, Corners};
 use std::ops::{Range, RangeInclusive};
@@ -230,11 +231,10 @@ fn merge_far((left, right): (&[Entry], &[Entry]), to: &mut [Entry]) {
     }
 }
 
-/// An integer that orders as the finite float does: IEEE 754 sorts as sign and magnitude.
+/// An integer that orders as the finite float does.
 fn rank(x: f32) -> u32 {
     // Both zeros are the same position.
-    let bits = (x + 0.0).to_bits();
-    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+    float_order::ordinal(x + 0.0)
 }
 
 /// The lesser of two numbers: a single instruction, since neither is NaN.

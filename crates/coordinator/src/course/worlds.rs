@@ -73,8 +73,12 @@ struct Buffers {
     ranking: RankedCandidates,
 }
 
-/// Worlds that are ranked together: between blocks it is asked whether there is time.
-const BLOCK: usize = 16;
+/// Contacts that a thread assesses between two questions whether there is time, but for those of one
+/// world: a fraction of a millisecond.
+const ASSESSED_MOST: usize = 1_024;
+
+/// Worlds that a thread ranks at most between these.
+const WORLDS_MOST: usize = 8;
 
 /// Contacts in all members below which others do not help: a block then takes no longer than some
 /// threads take to start.
@@ -98,13 +102,16 @@ pub(super) fn found(
     }
     let candidates = judged.harms.len();
     let alone = IdleCores::default();
-    let are_many = contacts.iter().map(Vec::len).sum::<usize>() >= SHARED_MIN;
+    let contacts_of_one: usize = contacts.iter().map(Vec::len).sum();
+    let cores = if contacts_of_one >= SHARED_MIN { cores } else { &alone };
+    let each = (ASSESSED_MOST / contacts_of_one.max(1)).clamp(1, WORLDS_MOST);
+    let together = each * cores.threads();
     let worlds = Worlds {
         criteria,
         stakes,
         members: contacts.chunks(candidates).collect(),
         nominal: &judged.harms,
-        cores: if are_many { cores } else { &alone },
+        cores,
     };
     let mut buffers = Buffers::default();
     let is_late = |block: &[u32]| is_due.is_some_and(|is_due| block.iter().any(|_| is_due()));
@@ -117,7 +124,7 @@ pub(super) fn found(
     };
     let numbers: Vec<u32> = (0..asked.count).collect();
     let mut won = vec![0.0; candidates];
-    for block in numbers.chunks(BLOCK) {
+    for block in numbers.chunks(together) {
         if is_late(block) {
             return Ok(None);
         }
@@ -136,12 +143,12 @@ pub(super) fn found(
         // There are few sets of curves: many draws are one world.
         let (mut known, mut shares): (Vec<World>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut kept = 0.0;
-        for block in of_one.chunks(BLOCK) {
+        for block in of_one.chunks(together) {
             if is_late(block) {
                 return Ok(None);
             }
             let before = known.len();
-            let mut places: SmallVec<[usize; BLOCK]> = SmallVec::new();
+            let mut places: SmallVec<[usize; WORLDS_MOST]> = SmallVec::new();
             for number in block {
                 let world = worlds.world(draw(*number).only(doubt));
                 let place = known.iter().position(|other| other.is_same(&world));

@@ -21,7 +21,8 @@
 //!   the 12uL by which it was enlarged beyond need.
 //! - A coordinate across or along the motion is a product of a position with a rounded row: 35uL
 //!   for the position, 12uL for products and sums, 4u of the way of below 7L. 128uL are allowed.
-//! - An orientation across the motion is off as in [`crate::sweep`], with that coordinate error.
+//! - An orientation across the motion is off as in `triangle/sweep/projection.rs`, with that
+//!   coordinate error.
 //! - A plane is computed from corners that are off by e = 128uL, and misses them by what is
 //!   measured, r. Within the triangle it is a mean of its values at the true corners, so it is off
 //!   by at most e + r + e·(sum of slopes); 3e times that sum are allowed, as it is also evaluated

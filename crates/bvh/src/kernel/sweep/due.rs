@@ -1,28 +1,23 @@
 //! Work that is due at a travel, in the order in which it is to be done.
 
+use crate::float_order::{of_ordinal, ordinal};
+
 /// Two numbers and a travel, in one number: the earliest is the least, and of those of the same
 /// travel that with the least numbers. So a heap compares without branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Due(u128);
 
-/// The sign of a float.
-const SIGN: u32 = 1 << 31;
-
 impl Due {
     /// `travel_m` is not NaN.
     #[inline]
     pub(super) fn new(travel_m: f32, [a, b]: [u32; 2]) -> Self {
-        let bits = travel_m.to_bits();
-        // As `f32::total_cmp` orders them: of negative ones, the greater bits are the lesser float.
-        let order = if bits & SIGN == 0 { bits | SIGN } else { !bits };
-        Self(u128::from(order) << 64 | u128::from(a) << 32 | u128::from(b))
+        Self(u128::from(ordinal(travel_m)) << 64 | u128::from(a) << 32 | u128::from(b))
     }
 
     /// The travel (m).
     #[inline]
     pub(super) fn travel_m(self) -> f32 {
-        let order = (self.0 >> 64) as u32;
-        f32::from_bits(if order & SIGN == 0 { !order } else { order & !SIGN })
+        of_ordinal((self.0 >> 64) as u32)
     }
 
     /// The numbers.

@@ -9,11 +9,14 @@ use geometry::rng::Rng;
 use geometry::{DVec3, Pose, RelativePose, Sweep};
 use proptest::prelude::*;
 
+/// How long the mirrors are (m).
+const MIRROR_M: f64 = 0.2;
+
 #[test]
 fn mirrors_meet_whenever_the_scene_begins() {
     let mut rng = Rng::new(32);
     for thickness_m in [0.002, 0.01, 0.02, 0.06] {
-        let car = mirrored(0.2, thickness_m);
+        let car = mirrored(MIRROR_M, thickness_m);
         let mut harm: Option<f64> = None;
         for _ in 0..60 {
             let before_m = rng.between(0.1, 20.0);
@@ -37,9 +40,6 @@ fn mirrors_meet_whenever_the_scene_begins() {
         }
     }
 }
-
-/// How long the mirrors are (m).
-const MIRROR_M: f64 = 0.2;
 
 /// Two cars that go straight on, so that their mirrors would be at the same height at some time.
 #[derive(Clone, Copy, Debug)]
