@@ -73,8 +73,8 @@ struct Buffers {
     ranking: RankedCandidates,
 }
 
-/// Contacts that a thread assesses between two questions whether there is time, but for those of one
-/// world: a fraction of a millisecond.
+/// Contacts that a thread assesses between two questions whether there is time, but for those of
+/// one world: a fraction of a millisecond.
 const ASSESSED_MOST: usize = 1_024;
 
 /// Worlds that a thread ranks at most between these.

@@ -1,5 +1,5 @@
-//! Two triangles projected along the motion, in f64: whether they are certainly apart, and when they
-//! touch where all signs are certain.
+//! Two triangles projected along the motion, in f64: whether they are certainly apart, and when
+//! they touch where all signs are certain.
 //!
 //! # Errors
 //!
