@@ -54,6 +54,14 @@ fn a_worker_that_waits_for_its_core_is_given_time() {
     }
 }
 
+#[test]
+fn reports_name_each_state_as_it_is() {
+    let all = [Liveness::Alive, Liveness::Stopped, Liveness::Hung, Liveness::Silent];
+    for state in all {
+        assert_eq!(state.name(), format!("{state:?}").to_lowercase());
+    }
+}
+
 /// When a start is given up that looks the same every `every_ms` from its beginning, and why.
 fn given_up(pulse: impl Fn(u64) -> StartPulse, every_ms: u64) -> (u64, Liveness) {
     let (mut watch, patience) = (StartWatch::new(0), StartPatience::default());
