@@ -5,6 +5,8 @@
 mod encounter;
 #[expect(dead_code, reason = "one way to halve is enough")]
 mod halving;
+#[expect(dead_code, reason = "two kinds are enough")]
+mod motion;
 mod posed;
 mod scene;
 mod search;
@@ -16,12 +18,14 @@ use geometry::patch::{self, Patches, meet_all};
 use geometry::simd::Level;
 use geometry::{DVec3, Directions, triangle};
 use halving::Grid;
+use motion::Cars;
 use posed::Posed;
 use scene::Scene;
 use search::{Ready, Search};
 use std::hint::black_box;
 use trolley_bvh::build::LEAF_SIZE_MAX;
-use trolley_bvh::{BuildOptions, Question, build};
+use trolley_bvh::query::{self, MotionLimits, MotionWorkspace};
+use trolley_bvh::{BuildOptions, Question, Tree, build};
 
 /// Large enough to amortise start-up, small enough for an emulated processor.
 const SCENE: &str = "cars-10k-deep";
@@ -76,6 +80,8 @@ const WORKLOADS: &[(&str, Prepare)] = &[
     ("first contact", || first_contact("deep-180")),
     ("first contact by halving", || halve("deep-180")),
     ("pass at 1 mm", || first_contact("pass-oncoming-3deg-1mm")),
+    ("first contact in motion", || first_contact_in_motion("contact")),
+    ("slide in motion", || first_contact_in_motion("slide")),
     ("build, paper's split", || grow(Build::Paper)),
     ("build, sah", || grow(Build::Sah)),
 ];
@@ -88,6 +94,25 @@ fn ask(build: Build, question: Question) -> Box<dyn FnMut() -> u64> {
 fn first_contact(ending: &str) -> Box<dyn FnMut() -> u64> {
     let (encounter, mut search) = encounter(ending);
     Box::new(move || search.first(encounter).1.counters.tests())
+}
+
+/// Of all motions of a kind of two cars of 10,000 triangles.
+fn first_contact_in_motion(kind: &'static str) -> Box<dyn FnMut() -> u64> {
+    let cars = Cars::named(SCENE);
+    let options = BuildOptions { leaf_size: 4, threads: 1, ..BuildOptions::default() };
+    let tree = |body: &_| Tree::build(body, &options).expect("a car has triangles");
+    let (a, b) = (tree(&cars.a), tree(&cars.b));
+    let (limits, mut workspace) = (MotionLimits::default(), MotionWorkspace::new());
+    Box::new(move || {
+        let motions = cars.motions.iter().filter(|of| of.kind == kind);
+        let tests = motions.map(|of| {
+            let motion = of.relative();
+            query::first_contact_in_motion(&a, &b, &motion, &limits, &mut workspace)
+                .expect("limits");
+            workspace.effort().counters.tests()
+        });
+        tests.sum()
+    })
 }
 
 fn halve(ending: &str) -> Box<dyn FnMut() -> u64> {

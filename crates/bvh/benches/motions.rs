@@ -120,8 +120,9 @@ fn table() {
             }
             let most = |of: &[f64]| of.iter().copied().fold(0.0, f64::max);
             println!(
-                "| {name}, {kind} | {} | {certain} | {possible} | {:.3} | {:.3} | {:.0} | {:.0} \
+                "| {}, {kind} | {} | {certain} | {possible} | {:.3} | {:.3} | {:.0} | {:.0} \
                  | {:.0} | {tried} | {touching} |",
+                name.trim_end_matches("-deep"),
                 of_kind.len(),
                 middle(times.clone()),
                 most(&times),

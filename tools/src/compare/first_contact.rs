@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! encounters ──▶ bench `sweeps`: ours, checked by exact poses and brute force; halving ─┐
-//!         └────▶ drivers: parry3d, FCL, ipctk, each family in one process ──────────────┴▶ page
+//!         └────▶ drivers: parry3d, FCL, ipctk, each family in one process ──────────────┼▶ page
+//! motions ────▶ bench `motions`: ours alone, checked by exact poses ────────────────────┘
 //! ```
 //!
 //! Everything is pinned to one core, one program after the other; the median of some runs of each
@@ -99,6 +100,16 @@ pub(super) fn run(options: &Options) -> Result<ExitCode> {
         families.insert(*family, names);
     }
 
+    let motions = match only {
+        "" => {
+            let bench = ["bench", "--package", "trolley-bvh", "--bench", "motions", "--no-run"];
+            let program = built::executable(cargo().args(bench))?;
+            tell(format_args!("cars that turn"))?;
+            output(pinned(options.core, &program).arg("table"))?
+        }
+        _ => String::new(),
+    };
+
     let machine = machine::describe(&workspace.root)?;
     let page = Page {
         command: format!(
@@ -109,6 +120,7 @@ pub(super) fn run(options: &Options) -> Result<ExitCode> {
         versions: &peers::versions(),
         families: &families,
         lines: &lines,
+        motions: &motions,
         skipped: &skipped,
     };
     let text = page.to_string();

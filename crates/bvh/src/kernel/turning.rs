@@ -111,6 +111,7 @@ pub struct TurningOutcome {
 pub struct TurningKernel {
     /// Pairs that intervals left, those of an interval before those of its halves.
     pairs: Vec<NodePair>,
+    /// The next interval last.
     frames: Vec<Frame>,
     /// Pairs to be tested in the interval at hand.
     open: Vec<NodePair>,
@@ -118,21 +119,13 @@ pub struct TurningKernel {
     touching: Vec<[u32; 2]>,
 }
 
-/// An interval whose halves are being searched.
+/// An interval that is still to be searched.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     interval: TimeInterval,
-    /// The pairs it began with, and those it left: positions in [`TurningKernel::pairs`].
+    /// The pairs it begins with: positions in [`TurningKernel::pairs`]. What comes after them is of
+    /// earlier intervals.
     begin: [usize; 2],
-    left: [usize; 2],
-    stage: Stage,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    Fresh,
-    FirstHalf,
-    SecondHalf,
 }
 
 impl TurningKernel {
@@ -234,40 +227,25 @@ impl<'a> Search<'_, 'a> {
         self.kernel.pairs.clear();
         self.kernel.pairs.push(NodePair::ROOTS);
         self.kernel.frames.clear();
-        self.enter(&TimeInterval::of(&self.task.motion, &self.bodies, piece), [0, 1]);
-        while let Some(mut frame) = self.kernel.frames.pop() {
-            match frame.stage {
-                Stage::Fresh => {
-                    self.check_time(&frame.interval)?;
-                    let halves = frame.interval.halves(&self.task.motion, &self.bodies, piece);
-                    let is_short = frame.interval.is_short(self.task.resolution_m);
-                    let Some([half, _]) = halves.filter(|_| !is_short) else {
-                        self.decide(&frame)?;
-                        continue;
-                    };
-                    self.refine(&mut frame)?;
-                    if frame.left[0] == frame.left[1] {
-                        continue;
-                    }
-                    self.kernel.frames.push(Frame { stage: Stage::FirstHalf, ..frame });
-                    self.enter(&half, frame.left);
-                }
-                Stage::FirstHalf => {
-                    self.kernel.frames.push(Frame { stage: Stage::SecondHalf, ..frame });
-                    let halves = frame.interval.halves(&self.task.motion, &self.bodies, piece);
-                    if let Some([_, half]) = halves {
-                        self.enter(&half, frame.left);
-                    }
-                }
-                Stage::SecondHalf => self.kernel.pairs.truncate(frame.left[0]),
+        let interval = TimeInterval::of(&self.task.motion, &self.bodies, piece);
+        self.kernel.frames.push(Frame { interval, begin: [0, 1] });
+        while let Some(frame) = self.kernel.frames.pop() {
+            let interval = &frame.interval;
+            self.check_time(interval)?;
+            self.kernel.pairs.truncate(frame.begin[1]);
+            if interval.is_short(self.task.resolution_m) || interval.middle_s().is_none() {
+                self.decide(&frame)?;
+                continue;
+            }
+            let begin = self.refine(&frame)?;
+            if begin[0] < begin[1]
+                && let Some(halves) = interval.halves(&self.task.motion, &self.bodies, piece)
+            {
+                let [first, second] = halves.map(|interval| Frame { interval, begin });
+                self.kernel.frames.extend([second, first]);
             }
         }
         ControlFlow::Continue(())
-    }
-
-    fn enter(&mut self, interval: &TimeInterval, begin: [usize; 2]) {
-        let frame = Frame { interval: *interval, begin, left: [0; 2], stage: Stage::Fresh };
-        self.kernel.frames.push(frame);
     }
 
     /// Ends the search if what is possible was followed for long enough, or without budget.
@@ -296,24 +274,22 @@ impl<'a> Search<'_, 'a> {
         ControlFlow::Break(First::Open { clear_before_s })
     }
 
-    /// Appends the pairs that an interval leaves to those kept.
-    fn refine(&mut self, frame: &mut Frame) -> ControlFlow<First> {
-        let interval = frame.interval;
+    /// Appends the pairs that an interval leaves to those kept, and returns where they are.
+    fn refine(&mut self, Frame { interval, begin }: &Frame) -> ControlFlow<First, [usize; 2]> {
         self.kernel.open.clear();
         let from = self.kernel.pairs.len();
-        frame.left = [from, from];
         if interval.is_far() {
             self.counters.nb += 1;
-            return ControlFlow::Continue(());
+            return ControlFlow::Continue([from, from]);
         }
         let least = (interval.travel_m() * NODE_TRAVELS) as f32;
         let least_leaf = (interval.travel_m() * LEAF_TRAVELS) as f32;
         let is_small = |node: &Node| size(node) < least;
-        for at in frame.begin[0]..frame.begin[1] {
+        for at in begin[0]..begin[1] {
             self.kernel.open.push(self.kernel.pairs[at]);
             while let Some(pair) = self.kernel.open.pop() {
-                self.check_budget(&interval)?;
-                let Some((a, b)) = self.meeting(&interval, pair) else { continue };
+                self.check_budget(interval)?;
+                let Some((a, b)) = self.meeting(interval, pair) else { continue };
                 let (small_a, small_b) = (is_small(a), is_small(b));
                 let side = side_to_open(a, a.is_leaf() || small_a, b, b.is_leaf() || small_b);
                 if let Some(side) = side {
@@ -321,7 +297,7 @@ impl<'a> Search<'_, 'a> {
                     continue;
                 }
                 let are_leaves = a.is_leaf() && b.is_leaf() && size(a).max(size(b)) >= least_leaf;
-                if are_leaves && !self.any_open(&interval, (a, b)) {
+                if are_leaves && !self.any_open(interval, (a, b)) {
                     continue;
                 }
                 if self.kernel.pairs.len() < PAIRS_MAX {
@@ -330,13 +306,11 @@ impl<'a> Search<'_, 'a> {
                     self.kernel.pairs.truncate(from);
                     self.kernel.pairs.push(NodePair::ROOTS);
                     self.kernel.open.clear();
-                    frame.left[1] = self.kernel.pairs.len();
-                    return ControlFlow::Continue(());
+                    return ControlFlow::Continue([from, self.kernel.pairs.len()]);
                 }
             }
         }
-        frame.left[1] = self.kernel.pairs.len();
-        ControlFlow::Continue(())
+        ControlFlow::Continue([from, self.kernel.pairs.len()])
     }
 
     /// The nodes of a pair, if their boxes may overlap in the interval.
@@ -344,9 +318,7 @@ impl<'a> Search<'_, 'a> {
         let TurningTask { a, b, .. } = *self.task;
         let (a, b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
         self.counters.nb += 1;
-        let meet = a.bounds.bounds().overlaps(&interval.bounds_of_b(&b.bounds))
-            && b.bounds.bounds().overlaps(&interval.bounds_of_a(&a.bounds));
-        meet.then_some((a, b))
+        interval.may_meet(&a.bounds, &b.bounds).then_some((a, b))
     }
 
     fn open(&mut self, pair: NodePair, side: Side, (a, b): (&Node, &Node)) {

@@ -1,13 +1,16 @@
 //! A short time of a motion: where boxes and triangles may be meanwhile.
 
 use super::{PathPiece, RelativeMotion};
-use crate::{Aabb, Bounds, Corners, DVec3, RelativePose};
+use crate::{Aabb, Bounds, Corners, DVec3, Pose, RelativePose};
+use glam::Vec3A;
 
 /// Two bodies as far as their motion needs to know them: the boxes that they lie in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingBodies {
     /// How far their points are from the origins of their frames, at most (m).
     reaches: [f64; 2],
+    /// The same as the sum of the coordinates' magnitudes (m).
+    sums: [f64; 2],
     /// The middles of the boxes, and how far their points are from there, at most (m).
     middles: [DVec3; 2],
     radii: [f64; 2],
@@ -27,12 +30,14 @@ pub struct TimeInterval {
     pub from_s: f64,
     /// Its end (s).
     pub to_s: f64,
-    /// B in A's frame, at the begin and at the end.
+    /// Both in the world, at the begin and at the end.
+    worlds: [[Pose; 2]; 2],
+    /// B in A's frame.
     poses: [RelativePose; 2],
     /// A in B's frame.
     backs: [RelativePose; 2],
     /// What moves boxes of B, and of A, in the same way.
-    movers: [[Mover; 2]; 2],
+    pub(super) movers: [Movers; 2],
     /// What points of B are off their chords by in A's frame, at most, and points of A in B's (m).
     margins_m: [f64; 2],
     /// How far any point of B's box moves, at most, as seen from A (m).
@@ -70,10 +75,11 @@ impl MovingBodies {
     #[must_use]
     pub fn new(motion: &RelativeMotion<'_>, boxes: [&Aabb; 2]) -> Self {
         let sides = boxes.map(Aabb::bounds);
-        let reaches = sides.map(|b| b.min.abs().max(b.max.abs()).element_sum());
-        let slack_m = ROUNDING * motion.magnitude_m(reaches);
+        let sums = sides.map(|b| b.min.abs().max(b.max.abs()).element_sum());
+        let slack_m = ROUNDING * motion.magnitude_m(sums);
         Self {
             reaches: sides.map(|b| b.min.abs().max(b.max.abs()).length()),
+            sums,
             middles: sides.map(|b| (b.min + b.max) * 0.5),
             radii: sides.map(|b| (b.max - b.min).length() * 0.5),
             box_b: *boxes[1],
@@ -86,10 +92,18 @@ impl TimeInterval {
     /// The whole of a piece.
     #[must_use]
     pub fn of(motion: &RelativeMotion<'_>, bodies: &MovingBodies, piece: &PathPiece) -> Self {
-        Self::within(motion, bodies, piece, [piece.from_s, piece.to_s])
+        let times = [piece.from_s, piece.to_s];
+        Self::within(bodies, piece, times, &times.map(|time_s| motion.poses_at(time_s)))
     }
 
-    /// Its halves; `None` if no time lies between its begin and its end.
+    /// The time that divides it (s); `None` if none lies between its begin and its end.
+    #[must_use]
+    pub fn middle_s(&self) -> Option<f64> {
+        let middle_s = self.from_s + (self.to_s - self.from_s) * 0.5;
+        (self.from_s < middle_s && middle_s < self.to_s).then_some(middle_s)
+    }
+
+    /// Its halves, if there is a [middle](TimeInterval::middle_s).
     #[must_use]
     pub fn halves(
         &self,
@@ -97,21 +111,22 @@ impl TimeInterval {
         bodies: &MovingBodies,
         piece: &PathPiece,
     ) -> Option<[Self; 2]> {
-        let middle_s = self.from_s + (self.to_s - self.from_s) * 0.5;
-        let is_between = self.from_s < middle_s && middle_s < self.to_s;
-        is_between.then(|| {
-            [[self.from_s, middle_s], [middle_s, self.to_s]]
-                .map(|times| Self::within(motion, bodies, piece, times))
+        self.middle_s().map(|middle_s| {
+            let ([begin, end], middle) = (self.worlds, motion.poses_at(middle_s));
+            [
+                Self::within(bodies, piece, [self.from_s, middle_s], &[begin, middle]),
+                Self::within(bodies, piece, [middle_s, self.to_s], &[middle, end]),
+            ]
         })
     }
 
+    /// Between these times, at which both are at `worlds`.
     fn within(
-        motion: &RelativeMotion<'_>,
         bodies: &MovingBodies,
         piece: &PathPiece,
         times: [f64; 2],
+        worlds: &[[Pose; 2]; 2],
     ) -> Self {
-        let worlds = times.map(|time_s| motion.poses_at(time_s));
         let poses = worlds.map(|[a, b]| RelativePose::between(&a, &b));
         let backs = poses.map(|pose| reversed(&pose));
         let lasts_s = times[1] - times[0];
@@ -149,12 +164,16 @@ impl TimeInterval {
         Self {
             from_s: times[0],
             to_s: times[1],
-            movers: [poses.map(|pose| Mover::of(&pose)), backs.map(|pose| Mover::of(&pose))],
+            movers: [
+                Movers::new(&poses, margins_m[0] + LONGER * slack_m, bodies.sums[1]),
+                Movers::new(&backs, margins_m[1] + LONGER * slack_m, bodies.sums[0]),
+            ],
+            worlds: *worlds,
             backs,
             poses,
             margins_m,
             travel_m: travel_m + 2.0 * margins_m[0],
-            distance_m: distance_m(bodies, &worlds, piece, bend),
+            distance_m: distance_m(bodies, worlds, piece, bend),
             slack_m,
         }
     }
@@ -201,38 +220,25 @@ impl TimeInterval {
         self.margins_m
     }
 
-    /// A box in A's frame that contains all that a box of B passes.
+    /// Whether a box of A and a box of B may overlap at any time.
+    ///
+    /// They may if those of two triangles within them may: [`TimeInterval::moved_b`] and
+    /// [`TimeInterval::moved_a`].
     #[must_use]
     #[inline]
-    pub fn bounds_of_b(&self, box_: &Aabb) -> Bounds {
-        self.bounds_of(0, box_)
+    pub fn may_meet(&self, a: &Aabb, b: &Aabb) -> bool {
+        let [of_b, of_a] = &self.movers;
+        of_b.may_reach(b, a) && of_a.may_reach(a, b)
     }
 
-    /// A box in B's frame that contains all that a box of A passes.
-    #[must_use]
-    #[inline]
-    pub fn bounds_of_a(&self, box_: &Aabb) -> Bounds {
-        self.bounds_of(1, box_)
-    }
-
-    /// Once more than for triangles, rounding is allowed for: so their bounds lie within.
-    #[inline]
-    fn bounds_of(&self, body: usize, box_: &Aabb) -> Bounds {
-        let box_ = box_.bounds();
-        let (middle, half) = ((box_.min + box_.max) * 0.5, (box_.max - box_.min) * 0.5);
-        let margin_m = self.margins_m[body] + LONGER * self.slack_m;
-        let [p, q] = self.movers[body].each_ref().map(|mover| mover.moved(middle, half));
-        hull(&p, &q, margin_m)
-    }
-
-    /// A triangle of B, in A's frame. Its bounds lie within those of every box that it lies in.
+    /// A triangle of B, in A's frame.
     #[must_use]
     #[inline]
     pub fn moved_b(&self, corners: &Corners) -> Moved {
         Moved::of(&self.poses, corners, self.lasting_margins_m()[0])
     }
 
-    /// A triangle of A, in B's frame. Its bounds lie within those of every box that it lies in.
+    /// A triangle of A, in B's frame.
     #[must_use]
     #[inline]
     pub fn moved_a(&self, corners: &Corners) -> Moved {
@@ -240,30 +246,72 @@ impl TimeInterval {
     }
 }
 
+/// Moves boxes of one body into the frame of the other, in single precision: there are many more
+/// tests of boxes than of triangles, and what they leave is tested again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Movers {
+    ends: [Mover; 2],
+    /// By how much the hull of what a box passes is enlarged (m), rounding included.
+    margin_m: Vec3A,
+}
+
+impl Movers {
+    /// For boxes with coordinates of these magnitudes in sum (m), which are off their chords by
+    /// `margin_m` at most.
+    ///
+    /// A coordinate is a sum of seven products of numbers that are each off by u = 2⁻²⁴ of
+    /// themselves: middles, extents, rotation and shift. With the roundings on the way it is off by
+    /// less than 8u times the sum of all magnitudes. 16u are allowed, and so the margin, and the
+    /// last additions, may be rounded, too.
+    fn new(poses: &[RelativePose; 2], margin_m: f64, sum: f64) -> Self {
+        const UNIT: f64 = 1.0 / (1 << 24) as f64;
+        let shifts = poses.iter().flat_map(|pose| pose.translation).map(f64::abs);
+        let magnitude = shifts.fold(0.0, f64::max) + sum + margin_m;
+        let margin_m = (margin_m + 16.0 * UNIT * magnitude) as f32 + f32::MIN_POSITIVE;
+        Self { ends: poses.map(|pose| Mover::of(&pose)), margin_m: Vec3A::splat(margin_m) }
+    }
+
+    /// Whether `moving`, a box of the body that moves, may overlap `still` at any time.
+    #[inline]
+    fn may_reach(&self, moving: &Aabb, still: &Aabb) -> bool {
+        let [min, max] = self.passed(moving);
+        let [least, most] = [still.min, still.max].map(Vec3A::from_array);
+        (min.cmple(most) & max.cmpge(least)).all()
+    }
+
+    /// The least and greatest coordinates of all that a box passes.
+    #[inline]
+    pub(super) fn passed(&self, moving: &Aabb) -> [Vec3A; 2] {
+        let [min, max] = [moving.min, moving.max].map(Vec3A::from_array);
+        let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let [p, q] = self.ends.each_ref().map(|mover| mover.moved(middle, half));
+        [p[0].min(q[0]) - self.margin_m, p[1].max(q[1]) + self.margin_m]
+    }
+}
+
 /// A pose as columns, which suit boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mover {
-    columns: [DVec3; 3],
-    magnitudes: [DVec3; 3],
-    shift: DVec3,
+    columns: [Vec3A; 3],
+    shift: Vec3A,
 }
 
 impl Mover {
     fn of(pose: &RelativePose) -> Self {
+        let single = |v: [f64; 3]| Vec3A::from_array(v.map(|x| x as f32));
         let r = &pose.rotation;
-        let columns = [0, 1, 2].map(|k| DVec3::new(r[0][k], r[1][k], r[2][k]));
-        let shift = DVec3::from_array(pose.translation);
-        Self { columns, magnitudes: columns.map(DVec3::abs), shift }
+        let columns = [0, 1, 2].map(|k| single([r[0][k], r[1][k], r[2][k]]));
+        Self { columns, shift: single(pose.translation) }
     }
 
     /// The box around a box given by its middle and half its extents, up to rounding.
     #[inline]
-    fn moved(&self, middle: DVec3, half: DVec3) -> Bounds {
-        let [p, q, r] = &self.columns;
-        let middle = (*p * middle.x + *q * middle.y) + (*r * middle.z + self.shift);
-        let [p, q, r] = &self.magnitudes;
-        let reach = (*p * half.x + *q * half.y) + *r * half.z;
-        Bounds { min: middle - reach, max: middle + reach }
+    fn moved(&self, middle: Vec3A, half: Vec3A) -> [Vec3A; 2] {
+        let [p, q, r] = self.columns;
+        // Written out, nothing is fused: on every machine the same boxes are opened.
+        let middle = (p * middle.x + q * middle.y) + (r * middle.z + self.shift);
+        let reach = (p.abs() * half.x + q.abs() * half.y) + r.abs() * half.z;
+        [middle - reach, middle + reach]
     }
 }
 
@@ -302,15 +350,10 @@ fn reversed(pose: &RelativePose) -> RelativePose {
 ///
 /// The way from A's middle to B's, in the world, is a line but for what the middles turn about the
 /// origins: |x″| ≤ |ωa|² |a| + |ωb|² |b|.
-fn distance_m(
-    bodies: &MovingBodies,
-    worlds: &[[crate::Pose; 2]; 2],
-    piece: &PathPiece,
-    bend: f64,
-) -> f64 {
+fn distance_m(bodies: &MovingBodies, worlds: &[[Pose; 2]; 2], piece: &PathPiece, bend: f64) -> f64 {
     let ways = worlds.map(|poses| {
         let [a, b] = [0, 1].map(|k| {
-            let crate::Pose { rotation, translation } = poses[k];
+            let Pose { rotation, translation } = poses[k];
             turned(&RelativePose { rotation, translation }, bodies.middles[k])
         });
         b - a

@@ -102,7 +102,8 @@ proptest! {
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&[point; 3]);
         let small = Aabb { min: point, max: point };
-        let all = interval.bounds_of_b(&small);
+        let [min, max] = interval.movers[0].passed(&small).map(|v| v.as_dvec3());
+        let all = Bounds { min, max };
         for step in 0..=20 {
             let share = f64::from(step) / 20.0;
             let time_s = interval.from_s + (interval.to_s - interval.from_s) * share;
@@ -151,9 +152,11 @@ proptest! {
         let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&of_b);
-        let all = interval.bounds_of_b(&Aabb::of(&of_b));
-        prop_assert!(all.min.cmple(moved.bounds.min).all());
-        prop_assert!(moved.bounds.max.cmple(all.max).all());
+        let of_both = [(&of_b, moved.bounds), (&of_a, interval.moved_a(&of_a).bounds)];
+        for (movers, (corners, bounds)) in interval.movers.iter().zip(of_both) {
+            let [min, max] = movers.passed(&Aabb::of(corners)).map(|v| v.as_dvec3());
+            prop_assert!(min.cmple(bounds.min).all() && bounds.max.cmple(max).all());
+        }
         let apart = interval.are_apart(&of_a, &of_b, &moved);
         let stored = Triangle::stored(&of_a);
         for step in 0..=50 {

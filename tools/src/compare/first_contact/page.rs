@@ -17,6 +17,8 @@ pub(super) struct Page<'a> {
     /// The names of the encounters of each family.
     pub(super) families: &'a BTreeMap<&'static str, Vec<String>>,
     pub(super) lines: &'a [Line],
+    /// Rows of cars that turn, as the bench printed them; may be empty.
+    pub(super) motions: &'a str,
     /// What was left out, and why.
     pub(super) skipped: &'a [String],
 }
@@ -36,7 +38,11 @@ impl fmt::Display for Page<'_> {
         self.skipped.iter().try_for_each(|why| writeln!(f, "- {why}"))?;
         self.checks(f)?;
         self.totals(f)?;
-        self.families.iter().try_for_each(|(family, names)| self.family(f, family, names))
+        self.families.iter().try_for_each(|(family, names)| self.family(f, family, names))?;
+        match self.motions {
+            "" => Ok(()),
+            rows => write!(f, "\n## Cars that drive and turn for 3 s\n\n{MOTIONS}\n\n{rows}"),
+        }
     }
 }
 
@@ -179,6 +185,13 @@ fn cell(ours: &Line, line: Option<&Line>) -> String {
     };
     format!("{answer}, {}", figures(line.query_ms / ours.query_ms))
 }
+
+const MOTIONS: &str = "\
+Two cars, each on an arc, known every tenth of a second and moving steadily in between; contact to
+1 mm. B is 12 m or more beside A (`far`), drives into it (`contact`), passes as an oncoming car with
+some decimetres between (`near`), or stays centimetres from its flank, turned by 7 degrees
+(`slide`). Times are medians of nine runs of a query on one core; `tests` are of boxes and of
+triangles.";
 
 const HOW_TO_READ: &str = "\
 When a body that moves along a straight line first touches another one. A column of another

@@ -26,6 +26,7 @@ fn every_answer_is_held_against_ours() {
         versions: &[],
         families: &families,
         lines: &lines,
+        motions: "| rows |\n",
         skipped: &["somebody: left out".to_owned()],
     };
     let page = page.to_string();
@@ -33,6 +34,7 @@ fn every_answer_is_held_against_ours() {
         assert!(page.contains(cell), "\"{cell}\" is not in: {page}");
     }
     assert!(page.contains("- somebody: left out"), "{page}");
+    assert!(page.ends_with("\n\n| rows |\n"), "{page}");
 }
 
 #[test]
