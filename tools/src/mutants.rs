@@ -116,7 +116,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         text,
         "\n{which} *Endless* are those whose tests did not end within {LONGEST_S} s, which is how \
          they are noticed;\n*caught* those that a test or the compiler refuses. Tests of the \
-         package alone count, not those of packages above; of `rank`, its own.\n\n\
+         package alone count, not those of packages above nor examples; of `rank`, its own.\n\n\
          | part | caught | endless | missed | s |\n|---|--:|--:|--:|--:|\n"
     )?;
     let mut missed = Vec::new();
@@ -167,9 +167,8 @@ fn try_all(workspace: &Workspace, part: &Part, every: u32) -> Result<Outcome> {
     for file in files {
         command.args(["--file", file]);
     }
-    if !tests.is_empty() {
-        command.args(["--", tests]);
-    }
+    // Examples in documentation would be compiled anew for each mutant.
+    command.args(["--", "--lib", tests]);
     // Compiling takes longer than testing.
     for profile in ["DEV", "TEST"] {
         command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "0");

@@ -56,6 +56,15 @@ pub(in crate::rank) fn settled(risks: &[f64]) -> CandidateHarm {
     candidate(&risks, Interval::exactly(1000.0))
 }
 
+#[test]
+fn states_are_named_as_answers_write_them() {
+    use AnswerState::{Certified, Complete, Degraded, Refused};
+    for state in [Complete, Certified, Degraded, Refused] {
+        let written = toml::Value::try_from(state).map(|value| value.as_str().map(str::to_owned));
+        assert_eq!(written, Ok(Some(state.name().to_owned())));
+    }
+}
+
 fn open(ends: &[(f64, f64)]) -> CandidateHarm {
     let risks: Vec<Interval> = ends.iter().map(|e| Interval::new(e.0, e.1)).collect();
     candidate(&risks, Interval::ZERO)

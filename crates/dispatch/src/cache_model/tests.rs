@@ -94,6 +94,17 @@ proptest! {
     }
 }
 
+/// Found by `cargo mutants`: capacities above are hardly ever those of whole sections.
+#[test]
+fn a_section_as_large_as_the_cache_is_held() {
+    let section = Section { model: 0, node: 1 };
+    for cache in [Cache::Recent(100), Cache::Fixed(100)] {
+        let mut cache_model = CacheModel::new(1, cache);
+        assert!(cache_model.need(0, section, 100) && cache_model.holds(0, section), "{cache:?}");
+        assert!(!cache_model.need(0, section, 100) && cache_model.thrash().is_none(), "{cache:?}");
+    }
+}
+
 /// Found by `cargo mutants`: each one of the test above is new.
 #[test]
 fn what_begins_again_is_as_a_new_one() {

@@ -45,6 +45,11 @@ pub struct CountRow {
     pub pairs: u32,
     /// See there.
     pub misordered: u32,
+    /// The same of pairs whose order the reference knows: their difference is more than twice its
+    /// own sampling error.
+    pub known_pairs: u32,
+    /// See there.
+    pub known_misordered: u32,
     /// Root mean square of the relative errors of expected harm, per cent.
     pub error_percent: f64,
     /// How much more harm the chosen candidates have than the best, of that of the best, per cent.
@@ -198,6 +203,7 @@ impl Tally {
         self.worlds.push(found.worlds);
         let truth: Vec<f64> = found.members.iter().map(|all| mean(all)).collect();
         let best = least(&truth);
+        let told_apart = told_apart(found, &truth);
         let Some(family) = self.families.last_mut() else { return };
         family.scenes += 1;
         for (row, sums) in self.rows.iter_mut().zip(&mut self.sums) {
@@ -207,14 +213,12 @@ impl Tally {
                 _ => found.members.iter().map(|all| mean(&all[..count])).collect(),
             };
             let mut pairs = (0, 0);
-            for i in 0..truth.len() {
-                for j in 0..i {
-                    let apart = truth[i] - truth[j];
-                    if apart.abs() > APART * truth[i].max(truth[j]) {
-                        pairs.0 += 1;
-                        pairs.1 += u32::from(apart * (seen[i] - seen[j]) <= 0.0);
-                    }
-                }
+            for (i, j, is_known) in &told_apart {
+                let is_wrong = (truth[*i] - truth[*j]) * (seen[*i] - seen[*j]) <= 0.0;
+                pairs.0 += 1;
+                pairs.1 += u32::from(is_wrong);
+                row.known_pairs += u32::from(*is_known);
+                row.known_misordered += u32::from(*is_known && is_wrong);
             }
             row.pairs += pairs.0;
             row.misordered += pairs.1;
@@ -265,6 +269,17 @@ impl Tally {
     }
 }
 
+/// Pairs of candidates that differ by enough, and whether the reference knows their order.
+fn told_apart(found: &Found, truth: &[f64]) -> Vec<(usize, usize, bool)> {
+    let all = (0..truth.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let pair = |(i, j): (usize, usize)| {
+        let apart = (truth[i] - truth[j]).abs();
+        let is_known = apart > 2.0 * paired(found, [i, j], found.members[i].len());
+        (apart > APART * truth[i].max(truth[j])).then_some((i, j, is_known))
+    };
+    all.filter_map(pair).collect()
+}
+
 /// The sampling error of the difference of two candidates, over so many members.
 fn paired(found: &Found, [a, b]: [usize; 2], count: usize) -> f64 {
     let pairs = found.members[a][..count].iter().zip(&found.members[b][..count]);
@@ -301,17 +316,22 @@ impl MembersReport {
         // Writing to a string cannot fail.
         let _w = writeln!(
             text,
-            "| members | misordered | of pairs | % | rms error % | regret % | other winner | \
-             within error |\n|--:|--:|--:|--:|--:|--:|--:|--:|"
+            "| members | misordered | of pairs | % | of those in known order | % | rms error % | \
+             regret % | other winner | within error |\n|{}",
+            "--:|".repeat(10)
         );
         for row in &self.counts {
-            let share = 100.0 * f64::from(row.misordered) / f64::from(row.pairs.max(1));
+            let share = |of: u32, all: u32| 100.0 * f64::from(of) / f64::from(all.max(1));
             let name = if row.members == 1 { "as stated".into() } else { row.members.to_string() };
             let _w = writeln!(
                 text,
-                "| {name} | {} | {} | {share:.1} | {:.0} | {:.2} | {} | {} |",
+                "| {name} | {} | {} | {:.1} | {} of {} | {:.1} | {:.0} | {:.2} | {} | {} |",
                 row.misordered,
                 row.pairs,
+                share(row.misordered, row.pairs),
+                row.known_misordered,
+                row.known_pairs,
+                share(row.known_misordered, row.known_pairs),
                 row.error_percent,
                 row.regret_percent,
                 row.other_winners,
