@@ -12,7 +12,7 @@ pub(crate) fn run(quick: bool, filter: Option<&str>) -> Result<ExitCode> {
     let status = cargo()
         .args(["bench", "--package", "trolley-geometry", "--package", "trolley-bvh"])
         .args(["--bench", "triangles", "--bench", "queries", "--bench", "sweeps"])
-        .args(["--bench", "builds", "--"])
+        .args(["--bench", "motions", "--bench", "builds", "--"])
         .args(quick.then_some("--quick"))
         .args(filter)
         .status()
