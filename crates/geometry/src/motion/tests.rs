@@ -11,13 +11,20 @@ fn orientation() -> impl Strategy<Value = Orientation> {
 
 /// Two or three states over some seconds, with turns up to several rad/s about any axis.
 fn path() -> impl Strategy<Value = MotionPath> {
+    path_within(f64::MIN_POSITIVE)
+}
+
+/// The same about any place up to so far from the origin (m).
+fn path_within(far_m: f64) -> impl Strategy<Value = MotionPath> {
     let state = (0.2..2.0_f64, prop::array::uniform3(-5.0..5.0_f64), orientation());
-    prop::collection::vec(state, 2..4).prop_map(|steps| {
+    let middle = prop::array::uniform3(-far_m..far_m);
+    (prop::collection::vec(state, 2..4), middle).prop_map(|(steps, middle)| {
         let mut time_s = -1.0;
         let states: Vec<State> = steps
             .into_iter()
             .map(|(step_s, position_m, orientation)| {
                 time_s += step_s;
+                let position_m = core::array::from_fn(|k| middle[k] + position_m[k]);
                 State { time_s, position_m, orientation }
             })
             .collect();
@@ -137,6 +144,35 @@ proptest! {
             let chord = moved.ends[0][0] * (1.0 - share) + moved.ends[1][0] * share;
             let off = (at - chord).length();
             prop_assert!(off <= interval.margins_m()[1], "{} of {:?}", off, interval.margins_m());
+        }
+    }
+
+    /// What boxes pass, in single precision, contains what triangles in them pass, and is little
+    /// more, however far the bodies are apart and how short the interval is.
+    #[test]
+    fn boxes_contain_their_triangles(
+        (a, b) in (path_within(1e5), path_within(1e5)),
+        of_both in [corners(), corners()],
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 0..25),
+    ) {
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
+        let interval = some_interval(&motion, &bodies, piece, &ways);
+        let [of_a, of_b] = &of_both;
+        let bounds = [interval.moved_b(of_b).bounds, interval.moved_a(of_a).bounds];
+        for ((movers, corners), bounds) in interval.movers.iter().zip([of_b, of_a]).zip(bounds) {
+            let [min, max] = movers.passed(&Aabb::of(corners)).map(|v| v.as_dvec3());
+            prop_assert!(min.cmple(bounds.min).all() && bounds.max.cmple(max).all());
+            // A point is its own box: what it passes is enlarged by rounding alone.
+            let [corner, ..] = corners;
+            let [min, max] =
+                movers.passed(&Aabb { min: *corner, max: *corner }).map(|v| v.as_dvec3());
+            let point = &[*corner; 3];
+            let is_of_b = core::ptr::eq(corners, of_b);
+            let moved = if is_of_b { interval.moved_b(point) } else { interval.moved_a(point) };
+            let reach = min.abs().max(max.abs()).max_element() + 6.0;
+            let more = (moved.bounds.min - min).max(max - moved.bounds.max).max_element();
+            prop_assert!(more <= 4e-6 * reach, "{} of {}", more, reach);
         }
     }
 
