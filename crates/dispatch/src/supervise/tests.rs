@@ -54,6 +54,16 @@ fn a_worker_that_waits_for_its_core_is_given_time() {
     }
 }
 
+/// Found by `cargo mutants`: that it is found in time had been asked, not that it is not too early.
+#[test]
+fn a_worker_that_is_stopped_has_some_time_to_go_on() {
+    let (mut watch, patience) = (Watch::default(), Patience::default());
+    let pulse = Pulse { beat: 7, cpu_ns: 0, stopped: true, busy: true };
+    let mut looks = |now| watch.look(pulse, now, &patience);
+    assert_eq!([looks(0), looks(patience.stopped_ns - 1)], [Liveness::Alive; 2]);
+    assert_eq!(looks(patience.stopped_ns), Liveness::Stopped);
+}
+
 #[test]
 fn reports_name_each_state_as_it_is() {
     let all = [Liveness::Alive, Liveness::Stopped, Liveness::Hung, Liveness::Silent];

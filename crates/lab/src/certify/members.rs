@@ -18,6 +18,8 @@ mod families;
 
 /// Numbers of members that are compared.
 const COUNTS: [usize; 6] = [8, 16, 32, 64, 128, 256];
+/// Stands for the number that a ranking itself comes to, which doubles where the best are close.
+const BY_RULE: usize = 0;
 /// How many the reference has.
 const MANY: u32 = 512;
 /// Candidates whose expected harms differ by less than this share are not told apart.
@@ -39,7 +41,7 @@ pub struct MembersOptions {
 /// One number of members.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct CountRow {
-    /// How many; 1: the scene as stated.
+    /// How many; 1: the scene as stated; 0: as many as a ranking takes.
     pub members: usize,
     /// Pairs of candidates that are told apart, and those of them in the wrong order.
     pub pairs: u32,
@@ -95,6 +97,8 @@ struct Found {
     stated: Vec<f64>,
     /// By candidate and member.
     members: Vec<Vec<f64>>,
+    /// How many a ranking takes.
+    by_rule: usize,
     cost: f64,
     worlds: f64,
 }
@@ -153,6 +157,8 @@ fn found(scenario: &Scenario) -> Result<Found, Failure> {
     let (stated, one_ns) = timed(1)?;
     let (usual, usual_ns) = timed(USUAL as i64)?;
     let (many, _) = timed(i64::from(MANY))?;
+    let ranking = engine.rank(scenario, &Limits::default().with_members(USUAL as i64, None)?)?;
+    let by_rule = ranking.answer.members.map_or(1, |members| members.count as usize);
     let stages = &usual.run.stages;
     let by_name = |answer: &Answer| {
         let mut rows: Vec<_> = answer.ranking.clone();
@@ -166,6 +172,7 @@ fn found(scenario: &Scenario) -> Result<Found, Failure> {
     Ok(Found {
         stated: by_name(&stated.answer).iter().map(|row| row.work.hi()).collect(),
         members: harms.collect(),
+        by_rule,
         cost: (usual_ns - stages.worlds_ms * 1e6) / one_ns,
         worlds: stages.worlds_ms / (stages.plan_ms + stages.work_ms),
     })
@@ -195,7 +202,7 @@ struct Tally {
 impl Tally {
     fn add(&mut self, found: &Found) {
         if self.rows.is_empty() {
-            let counts = core::iter::once(1).chain(COUNTS);
+            let counts = core::iter::once(1).chain(COUNTS).chain([BY_RULE]);
             self.rows = counts.map(|members| CountRow { members, ..CountRow::default() }).collect();
             self.sums = vec![(0.0, 0, 0.0, 0.0); self.rows.len()];
         }
@@ -207,7 +214,7 @@ impl Tally {
         let Some(family) = self.families.last_mut() else { return };
         family.scenes += 1;
         for (row, sums) in self.rows.iter_mut().zip(&mut self.sums) {
-            let count = row.members;
+            let count = if row.members == BY_RULE { found.by_rule } else { row.members };
             let seen: Vec<f64> = match count {
                 1 => found.stated.clone(),
                 _ => found.members.iter().map(|all| mean(&all[..count])).collect(),
@@ -222,7 +229,7 @@ impl Tally {
             }
             row.pairs += pairs.0;
             row.misordered += pairs.1;
-            match count {
+            match row.members {
                 1 => {
                     family.pairs += pairs.0;
                     family.misordered[0] += pairs.1;
@@ -257,7 +264,7 @@ impl Tally {
         let median = middle(&mut self.costs);
         let ends = [self.costs.first(), self.costs.last()].map(|end| end.copied().unwrap_or(0.0));
         MembersReport {
-            schema: "trolley.certify-members/1",
+            schema: "trolley.certify-members/2",
             seed,
             many: MANY,
             families: self.families,
@@ -322,7 +329,11 @@ impl MembersReport {
         );
         for row in &self.counts {
             let share = |of: u32, all: u32| 100.0 * f64::from(of) / f64::from(all.max(1));
-            let name = if row.members == 1 { "as stated".into() } else { row.members.to_string() };
+            let name = match row.members {
+                1 => "as stated".to_owned(),
+                BY_RULE => format!("{USUAL} or more, by the rule"),
+                count => count.to_string(),
+            };
             let _w = writeln!(
                 text,
                 "| {name} | {} | {} | {:.1} | {} of {} | {:.1} | {:.0} | {:.2} | {} | {} |",

@@ -345,3 +345,46 @@ impl Jobs for Vec<(u32, Vec<(u32, u8)>)> {
         self.iter().flat_map(|(_, jobs)| jobs.iter().map(|(job, _)| *job)).collect()
     }
 }
+
+/// Found by `cargo mutants`: nobody had answered more than two batches without a fault.
+#[test]
+fn who_answers_all_is_trusted_for_ever() {
+    let mut fixture = Fixture::new(1, QUEUES, 40);
+    let mut progress = Progress::Working;
+    for batch in 0..20 {
+        for job in [2 * batch, 2 * batch + 1] {
+            progress = fixture.send_part(FIRST, job, 0);
+        }
+        fixture.step(Event::Answered { who: FIRST, batches: batch + 1 });
+        assert_eq!(fixture.killed(), [], "after batch {batch}");
+    }
+    assert_eq!(progress, Progress::Finished);
+}
+
+/// Found by `cargo mutants`: what was answered before counts for the number of a batch.
+#[test]
+fn a_batch_that_finds_a_full_queue_keeps_its_number_when_those_before_are_answered() {
+    let mut fixture = Fixture::new(1, QUEUES, 4);
+    assert_eq!(fixture.sent(0).len(), 2);
+    fixture.send_part(FIRST, 0, 0);
+    fixture.send_part(FIRST, 1, 0);
+    fixture.step(Event::Answered { who: FIRST, batches: 1 });
+    fixture.step(Event::Unsent { to: FIRST, batch: 1 });
+    fixture.now_ns = fixture.dispatcher.due_ns().expect("it is tried again");
+    fixture.step(Event::Poll);
+    assert_eq!(fixture.sent(0), [(1, vec![(2, 0), (3, 0)])]);
+}
+
+/// Found by `cargo mutants`: what was answered holds no slot in the next request.
+#[test]
+fn only_jobs_without_a_result_hold_slots_in_the_next_request() {
+    let mut fixture = Fixture::new(1, QUEUES, 4);
+    fixture.send_part(FIRST, 0, 0);
+    fixture.send_part(FIRST, 2, 0);
+    assert_eq!(fixture.step(Event::Expired), Progress::Finished);
+    fixture.said.clear();
+    fixture.dispatcher.begin(RequestId(8));
+    fixture.work = Waves { left: vec![2], ..Waves::default() };
+    fixture.step(Event::Poll);
+    assert_eq!(fixture.sent(0).concat_jobs(), [0, 1], "two slots of four are free");
+}

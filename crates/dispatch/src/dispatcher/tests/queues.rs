@@ -55,3 +55,22 @@ fn nothing_is_due_for_a_full_queue_that_no_job_waits_for() {
     assert!(dispatcher.is_busy(1) && !dispatcher.is_busy(0));
     assert_eq!(dispatcher.due_ns(), None);
 }
+
+/// Found by `cargo mutants`: queues of a few batches alone had been filled.
+#[test]
+fn a_queue_is_filled_with_whole_batches() {
+    for (capacity, batch) in [(64, 8), (7, 3), (5, 2), (4, 4), (3, 1)] {
+        let queues = Queues { capacity, batch, linger_ns: 0 };
+        let mut dispatcher = Dispatcher::new(RoundRobin::default(), queues, Cache::Unlimited, 1);
+        dispatcher.begin(NOW);
+        let (mut work, mut effects) = (Drops(1_000), Vec::new());
+        let who = Incarnation { worker: 0, inc: 0 };
+        dispatcher.step(1, Event::Ready(who), &mut work, &mut effects);
+        let jobs = |effect: &Effect| match effect {
+            Effect::Send { jobs, .. } => jobs.len() as u32,
+            Effect::Kill { .. } => 0,
+        };
+        let sent: Vec<u32> = effects.iter().map(jobs).collect();
+        assert_eq!(sent, vec![batch; (capacity / batch) as usize], "{capacity}, {batch}");
+    }
+}
