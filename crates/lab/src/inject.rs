@@ -179,7 +179,8 @@ impl Asked {
     fn open(path: &Path, references: References) -> Result<Self, Failure> {
         let scenario = Scenario::open_with(path, references)?;
         let mut engine = Engine::builder().in_process().build()?;
-        let reference = engine.rank(&scenario, &Limits::default())?.answer;
+        let limits = Limits::default().with_members(serving::MEMBERS, None)?;
+        let reference = engine.rank(&scenario, &limits)?.answer;
         Ok(Self { scenario, reference })
     }
 }

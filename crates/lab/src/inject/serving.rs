@@ -24,6 +24,9 @@ const CLIENT_MS: u64 = 1_000;
 /// How long each of many requests of one client may take in the mean (ms), on a machine with other
 /// work.
 const REPEAT_MS: u64 = 250;
+/// What clients ask for: the scene as stated. Faults strike between requests and within them, of
+/// which there are to be many.
+pub(super) const MEMBERS: i64 = 1;
 const INSTANCE: &str = "faulty";
 const TERMINATE: i32 = 15;
 
@@ -209,6 +212,8 @@ impl Serving {
         let files = [&self.deployment, &self.scenario].map(|path| path.display().to_string());
         let due = deadline_ms.to_string();
         let mut line = vec!["-q", "query", &files[0], &files[1], "--json", "--deadline-ms", &due];
+        let members = MEMBERS.to_string();
+        line.extend(["--members", &members]);
         line.extend(more);
         let pid = self.pid().filter(|_| self.own_bytes.is_some()).map(|pid| pid.to_string());
         let wrap = pid.as_ref().map(|pid| ["/usr/bin/nsenter", "-m", "-t", pid]);
