@@ -3,8 +3,8 @@
 //! - `far`: B drives some 10 m or more beside A, on an arc of its own.
 //! - `contact`: at some time both would stand within each other.
 //! - `near`: an oncoming car on an arc of its own is for a moment some decimetres beside A.
-//! - `slide`: B is beside A all the time, turned by 7 degrees, centimetres from its flank, and gains
-//!   or loses little on it.
+//! - `slide`: B is beside A all the time, turned by 7 degrees, centimetres from its flank, and
+//!   gains or loses little on it.
 //!
 //! Whether they touch is not known beforehand.
 
