@@ -262,12 +262,17 @@ impl Movers {
     /// A coordinate is a sum of seven products of numbers that are each off by u = 2⁻²⁴ of
     /// themselves: middles, extents, rotation and shift. With the roundings on the way it is off by
     /// less than 8u times the sum of all magnitudes. 16u are allowed, and so the margin, and the
-    /// last additions, may be rounded, too.
+    /// last additions, may be rounded, too. Where a sum might overflow, no box is told apart.
     fn new(poses: &[RelativePose; 2], margin_m: f64, sum: f64) -> Self {
         const UNIT: f64 = 1.0 / (1 << 24) as f64;
+        const MAGNITUDE_MAX: f64 = 1e36;
         let shifts = poses.iter().flat_map(|pose| pose.translation).map(f64::abs);
         let magnitude = shifts.fold(0.0, f64::max) + sum + margin_m;
-        let margin_m = (margin_m + 16.0 * UNIT * magnitude) as f32 + f32::MIN_POSITIVE;
+        let margin_m = if magnitude <= MAGNITUDE_MAX {
+            (margin_m + 16.0 * UNIT * magnitude) as f32 + f32::MIN_POSITIVE
+        } else {
+            f32::INFINITY
+        };
         Self { ends: poses.map(|pose| Mover::of(&pose)), margin_m: Vec3A::splat(margin_m) }
     }
 
@@ -276,7 +281,8 @@ impl Movers {
     fn may_reach(&self, moving: &Aabb, still: &Aabb) -> bool {
         let [min, max] = self.passed(moving);
         let [least, most] = [still.min, still.max].map(Vec3A::from_array);
-        (min.cmple(most) & max.cmpge(least)).all()
+        // What is no number is apart from nothing.
+        !(min.cmpgt(most) | max.cmplt(least)).any()
     }
 
     /// The least and greatest coordinates of all that a box passes.

@@ -229,6 +229,31 @@ proptest! {
 }
 
 /// Triangles that are not apart in a short interval come as close as it says.
+/// A proof that boxes are apart must not come of numbers that are too large for single precision.
+#[test]
+fn boxes_beyond_single_precision_are_never_called_apart() {
+    let states = [(0.0, 0.0), (1.0, 40.0)].map(|(time_s, yaw)| State {
+        time_s,
+        position_m: [1.0, 2.0, 3.0],
+        orientation: Orientation::from_degrees(yaw, 0.0, 0.0),
+    });
+    let path = MotionPath::new(&states).unwrap();
+    let motion = RelativeMotion::new(&path, &path).unwrap();
+    let piece = motion.pieces().next().unwrap();
+    for far in [1e6_f32, 1e20, 1e30, 1e37, 3e38] {
+        let [near, farther] = [0.5 * far, far];
+        for box_ in [
+            Aabb { min: [near; 3], max: [farther; 3] },
+            Aabb { min: [-farther, near, near], max: [farther; 3] },
+            Aabb { min: [farther; 3], max: [farther; 3] },
+        ] {
+            let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+            let interval = TimeInterval::of(&motion, &bodies, &piece);
+            assert!(interval.may_meet(&box_, &box_), "{box_:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_not_apart_is_close() {
     const STEPS: u32 = 20;
