@@ -116,7 +116,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
         text,
         "\n{which} *Endless* are those whose tests did not end within {LONGEST_S} s, which is how \
          they are noticed;\n*caught* those that a test or the compiler refuses. Tests of the \
-         package alone count, not those of packages above nor examples; of `rank`, its own.\n\n\
+         package alone count, not those of packages above nor examples; of `rank`, its own.\n\
+         What was caught is not tried again: *s* is the time of the last run.\n\n\
          | part | caught | endless | missed | s |\n|---|--:|--:|--:|--:|\n"
     )?;
     let mut missed = Vec::new();

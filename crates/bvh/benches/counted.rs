@@ -5,7 +5,6 @@
 mod encounter;
 #[expect(dead_code, reason = "one way to halve is enough")]
 mod halving;
-#[expect(dead_code, reason = "two kinds are enough")]
 mod motion;
 mod posed;
 mod scene;

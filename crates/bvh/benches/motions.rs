@@ -8,7 +8,6 @@ mod motion;
 mod scene;
 
 use criterion::Criterion;
-use geometry::RelativePose;
 use motion::{Cars, KINDS, Motion};
 use std::hint::black_box;
 use std::time::Instant;
@@ -81,8 +80,7 @@ impl Search {
         // At its very begin they may touch already.
         let times: Vec<f64> = times.filter(|time_s| *time_s < end_s).collect();
         let touch = times.iter().filter(|time_s| {
-            let [of_a, of_b] = motion.poses_at(**time_s);
-            let pose = RelativePose::between(&of_a, &of_b);
+            let pose = relative.pose_at(**time_s);
             touches(a, b, &pose, &mut workspace).expect("a pose that is finite")
         });
         (touch.count(), times.len())

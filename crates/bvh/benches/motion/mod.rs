@@ -1,6 +1,6 @@
 //! Motions: two cars that drive and turn for three seconds, known every tenth of a second.
 //!
-//! - `far`: B drives some 10 m or more beside A, on an arc of its own.
+//! - `far`: B, on an arc of its own, is at some time 12 to 25 m beside A.
 //! - `contact`: at some time both would stand within each other.
 //! - `near`: an oncoming car on an arc of its own is for a moment some decimetres beside A.
 //! - `slide`: B is beside A all the time, turned by 7 degrees, centimetres from its flank, and
@@ -10,13 +10,13 @@
 
 use super::scene::Scene;
 use core::f64::consts::PI;
+use geometry::Corners;
 use geometry::motion::{MotionPath, Orientation, RelativeMotion, State};
 use geometry::rng::Rng;
-use geometry::{Corners, Pose};
 
 /// The kinds, and how many motions there are of each.
 pub(crate) const KINDS: &[&str] = &["far", "contact", "near", "slide"];
-pub(crate) const OF_EACH: u64 = 16;
+const OF_EACH: u64 = 16;
 
 const LASTS_S: f64 = 3.0;
 const STATES: u32 = 30;
@@ -50,7 +50,7 @@ impl Cars {
 }
 
 impl Motion {
-    /// A motion of cars that are together twice `widths_m` wide.
+    /// A motion of cars whose flanks touch where their middles are `widths_m` apart.
     fn of(kind: &'static str, rng: &mut Rng, widths_m: f64) -> Self {
         let a = Arc { at: [0.0; 3], speed: rng.between(5.0, 20.0), rate: rng.between(-0.3, 0.3) };
         let meet_s = rng.between(0.5, 2.5);
@@ -77,11 +77,6 @@ impl Motion {
     pub(crate) fn relative(&self) -> RelativeMotion<'_> {
         let [a, b] = &self.paths;
         RelativeMotion::new(a, b).expect("both cover the same time")
-    }
-
-    /// The poses of both at a time (s).
-    pub(crate) fn poses_at(&self, time_s: f64) -> [Pose; 2] {
-        self.relative().poses_at(time_s)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Paths keep their states; chords keep their margins; what is called apart never touches.
 
+use super::interval::Movers;
 use super::*;
 use crate::{Aabb, Bounds, Corners, Triangle, triangle};
 use proptest::prelude::*;
@@ -30,6 +31,12 @@ fn path_within(far_m: f64) -> impl Strategy<Value = MotionPath> {
             .collect();
         MotionPath::new(&states).unwrap()
     })
+}
+
+/// What a box passes.
+fn passed(movers: &Movers, box_: &Aabb) -> Bounds {
+    let [min, max] = movers.passed(box_).map(|v| v.as_dvec3());
+    Bounds { min, max }
 }
 
 fn corners() -> impl Strategy<Value = Corners> {
@@ -109,8 +116,7 @@ proptest! {
         let interval = some_interval(&motion, &bodies, piece, &ways);
         let moved = interval.moved_b(&[point; 3]);
         let small = Aabb { min: point, max: point };
-        let [min, max] = interval.movers[0].passed(&small).map(|v| v.as_dvec3());
-        let all = Bounds { min, max };
+        let all = passed(&interval.movers[0], &small);
         for step in 0..=20 {
             let share = f64::from(step) / 20.0;
             let time_s = interval.from_s + (interval.to_s - interval.from_s) * share;
@@ -161,12 +167,11 @@ proptest! {
         let [of_a, of_b] = &of_both;
         let bounds = [interval.moved_b(of_b).bounds, interval.moved_a(of_a).bounds];
         for ((movers, corners), bounds) in interval.movers.iter().zip([of_b, of_a]).zip(bounds) {
-            let [min, max] = movers.passed(&Aabb::of(corners)).map(|v| v.as_dvec3());
-            prop_assert!(min.cmple(bounds.min).all() && bounds.max.cmple(max).all());
+            let all = passed(movers, &Aabb::of(corners));
+            prop_assert!(all.min.cmple(bounds.min).all() && bounds.max.cmple(all.max).all());
             // A point is its own box: what it passes is enlarged by rounding alone.
             let [corner, ..] = corners;
-            let [min, max] =
-                movers.passed(&Aabb { min: *corner, max: *corner }).map(|v| v.as_dvec3());
+            let Bounds { min, max } = passed(movers, &Aabb { min: *corner, max: *corner });
             let point = &[*corner; 3];
             let is_of_b = core::ptr::eq(corners, of_b);
             let moved = if is_of_b { interval.moved_b(point) } else { interval.moved_a(point) };
@@ -190,8 +195,8 @@ proptest! {
         let moved = interval.moved_b(&of_b);
         let of_both = [(&of_b, moved.bounds), (&of_a, interval.moved_a(&of_a).bounds)];
         for (movers, (corners, bounds)) in interval.movers.iter().zip(of_both) {
-            let [min, max] = movers.passed(&Aabb::of(corners)).map(|v| v.as_dvec3());
-            prop_assert!(min.cmple(bounds.min).all() && bounds.max.cmple(max).all());
+            let all = passed(movers, &Aabb::of(corners));
+            prop_assert!(all.min.cmple(bounds.min).all() && bounds.max.cmple(all.max).all());
         }
         let apart = interval.are_apart(&of_a, &of_b, &moved);
         let stored = Triangle::stored(&of_a);

@@ -39,19 +39,18 @@ impl Verdict {
 
 impl Search<'_, '_> {
     /// Decides a short interval.
-    pub(super) fn decide(&mut self, frame: &Frame) -> ControlFlow<First> {
-        let interval = frame.interval;
+    pub(super) fn decide(&mut self, Frame { interval, begin }: &Frame) -> ControlFlow<First> {
         self.kernel.open.clear();
         self.kernel.touching.clear();
         let mut verdict = Verdict::default();
-        for at in frame.begin[0]..frame.begin[1] {
+        for at in begin[0]..begin[1] {
             self.kernel.open.push(self.kernel.pairs[at]);
             while let Some(pair) = self.kernel.open.pop() {
-                self.check_budget(&interval)?;
-                let Some((a, b)) = self.meeting(&interval, pair) else { continue };
+                self.check_budget(interval)?;
+                let Some((a, b)) = self.meeting(interval, pair) else { continue };
                 match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
                     Some(side) => self.open(pair, side, (a, b)),
-                    None => self.judge(&interval, (a, b), &mut verdict),
+                    None => self.judge(interval, (a, b), &mut verdict),
                 }
             }
         }
