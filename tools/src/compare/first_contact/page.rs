@@ -187,11 +187,11 @@ fn cell(ours: &Line, line: Option<&Line>) -> String {
 }
 
 const MOTIONS: &str = "\
-Two cars, each on an arc, known every tenth of a second and moving steadily in between; contact to
-1 mm. At some time B is 12 to 25 m beside A (`far`), would stand within it (`contact`), or passes as
-an oncoming car with some decimetres between (`near`); or it stays centimetres from A's flank,
-turned by 7 degrees (`slide`). Times are medians of nine runs of a query on one core; `tests` are of boxes
-and of triangles.";
+Two cars, each on an arc, known every tenth of a second and moving steadily in between; contact
+to 1 mm. At some time B is 12 to 25 m beside A (`far`), would stand within it (`contact`), or
+passes as an oncoming car with some decimetres between (`near`); or it stays centimetres from
+A's flank, turned by 7 degrees (`slide`). Times are medians of nine runs of a query on one core;
+`tests` are of boxes and of triangles.";
 
 const HOW_TO_READ: &str = "\
 When a body that moves along a straight line first touches another one. A column of another
