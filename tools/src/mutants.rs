@@ -163,8 +163,8 @@ fn try_all(workspace: &Workspace, part: &Part, every: u32) -> Result<Outcome> {
     for file in files {
         command.args(["--file", file]);
     }
-    // Examples in documentation would be compiled anew for each mutant.
-    command.args(["--", "--lib", tests]);
+    // Nothing but unit tests is built, and examples in documentation would be so for each mutant.
+    command.args(["--cargo-arg=--lib", "--", tests]);
     // Compiling takes longer than testing.
     for profile in ["DEV", "TEST"] {
         command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "0");

@@ -180,6 +180,31 @@ fn k_a_binding_precaution_refuses_or_falls_back_and_says_so() {
     assert!(missing.notes[0].sentence().contains("\"brake\" is not among them"));
 }
 
+/// A policy may know the names of more candidates than are ranked.
+#[test]
+fn a_policy_does_not_fall_back_on_who_is_not_ranked() {
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.1\n";
+    let on = |name: &str| {
+        let otherwise = format!("otherwise = \"fall-back\"\nfall_back = \"{name}\"\n");
+        let policy = policy("lexicographic", &format!("{first}{otherwise}{}", level("bayes", 0.0)));
+        rank(&among(&policy, 5), &stakes(3), &k()).expect("sound candidates")
+    };
+    assert!(!on("2").is_refused());
+    for beyond in ["3", "4"] {
+        let missing = Some(beyond.into());
+        assert_eq!(on(beyond).notes, [Note::Refused { at_most: 0.1, missing }]);
+    }
+}
+
+#[test]
+fn the_first_is_certain_where_the_ranges_are_further_apart_than_the_tolerance() {
+    let policy = policy("lexicographic", &level("bayes", 0.05));
+    for (next, certain) in [(0.13, false), (0.149, false), (0.16, true)] {
+        let ranking = ranked(&policy, &[settled(&[0.1]), settled(&[next])]);
+        assert_eq!(ranking.places[0].certain, certain, "{next}");
+    }
+}
+
 /// One candidate may turn out to be acceptable or not: then it is not certain that it wins, though
 /// no other can.
 #[test]
@@ -345,6 +370,14 @@ fn a_reason_is_in_percent_with_as_many_digits_as_tell_both_apart() {
     assert_eq!(said(0.05123, 0.05124), "a before b: mean risk 5.123 % against 5.124 %");
     assert_eq!(said(1e-9, 0.0018), "a before b: mean risk < 0.01 % against 0.18 %");
     assert_eq!(said(0.0, 1.0), "a before b: mean risk 0 % against 100.00 %");
+}
+
+#[test]
+fn a_risk_is_the_harm_times_its_probability() {
+    let half = CandidateHarm { probability: 0.5, ..settled(&[0.4]) };
+    let ranking = ranked(&policy("lexicographic", &level("bayes", 0.0)), &[settled(&[0.3]), half]);
+    assert_eq!(order(&ranking), [2, 1]);
+    assert_eq!(ranking.places[0].work, Interval::exactly(0.2));
 }
 
 #[test]
