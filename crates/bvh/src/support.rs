@@ -72,7 +72,11 @@ fn for_each_rising(
         } else {
             let (left, right) = ((at + 1, bound(at + 1)), (node.link, bound(node.link)));
             // The farther child first: it raises the bound for the other.
-            open.extend(if left.1 > right.1 { [right, left] } else { [left, right] });
+            for child in if left.1 > right.1 { [right, left] } else { [left, right] } {
+                if child.1 > greatest {
+                    open.push(child);
+                }
+            }
         }
     }
 }

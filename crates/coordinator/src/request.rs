@@ -17,7 +17,7 @@ use geometry::{DVec3, Directions, Pose, RelativePose, Supports};
 use scenario::Name;
 use smallvec::SmallVec;
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// One contact, before any work: a candidate, as far as this request goes.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub(crate) struct Candidate {
     /// The bodies overlap from the start and stand: nothing can be evaluated.
     pub(crate) is_stuck: bool,
     /// The plane of the contact, once it is laid; none if it is stuck.
-    pub(crate) plane: OnceCell<Plane>,
+    pub(crate) plane: OnceLock<Plane>,
     pub(crate) a: CollisionParty,
     pub(crate) b: CollisionParty,
     pub(crate) probability: f64,

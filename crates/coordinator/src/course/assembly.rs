@@ -38,7 +38,7 @@ impl Assembly<'_, '_> {
         course: &mut Course<'_>,
         mut is_over: impl FnMut() -> bool,
     ) -> Result<Option<Found>, RequestError> {
-        let Self { scenery, people, stage, criteria, extremes, has_limit } = self;
+        let Self { scenery, people, stage, extremes, has_limit, .. } = self;
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
             match stage.extremes.unwrap_or(extremes).get(model) {
@@ -46,8 +46,7 @@ impl Assembly<'_, '_> {
                 None => support_near(view, direction, near),
             }
         };
-        let outlines = |model: u32| &stage.bodies[model as usize].0.outlines;
-        let is_member = k >= scenery.scenario.candidates.len();
+        let is_member = self.is_member(k);
         if course.stuck.is_some() {
             return Ok(None);
         }
@@ -65,14 +64,13 @@ impl Assembly<'_, '_> {
             match meeting.begin {
                 Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
                 // It was assessed before, and stays as light as it was: no survey changes that.
-                Begin::Again if stays_light(&contact, criteria, &outlines)? => {
+                Begin::Again if self.stays_light(&contact)? => {
                     course.way.pass(&meeting, closing_m_s, extent_m);
                 }
                 Begin::AtStart | Begin::Again | Begin::Touched => {
-                    // After a deadline nothing may be left to do but to assess what was found. And
-                    // surveys of members leave no time for it.
-                    if *has_limit || is_member {
-                        contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
+                    // After a deadline nothing may be left to do but to assess what was found.
+                    if *has_limit {
+                        self.lay_plane(&contact);
                     }
                     return Ok(Some((meeting, contact)));
                 }
@@ -80,21 +78,33 @@ impl Assembly<'_, '_> {
         }
         Ok(None)
     }
-}
 
-/// Whether a contact is light for the ego, which its plane alone decides.
-fn stays_light<'o>(
-    contact: &Candidate,
-    criteria: &Criteria,
-    outlines: &impl Fn(u32) -> &'o Outlines,
-) -> Result<bool, RequestError> {
-    let Criteria { curves, policy, parameters } = criteria;
-    if !contact.may_be_heavy(parameters) {
-        return Ok(true);
+    /// Whether a course is followed in a member, not in the scene as stated.
+    pub(super) fn is_member(&self, k: usize) -> bool {
+        k >= self.scenery.scenario.candidates.len()
     }
-    contact.lay_plane([contact.model_a, contact.model_b].map(outlines));
-    let basis = Basis { curves, level: policy.outcome, parameters };
-    let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
-        .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
-    Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
+
+    /// The outlines of both bodies of a contact.
+    pub(super) fn outlines(&self, contact: &Candidate) -> [&Outlines; 2] {
+        [contact.model_a, contact.model_b]
+            .map(|model| &self.stage.bodies[model as usize].0.outlines)
+    }
+
+    /// Lays the plane of a contact, unless it is laid.
+    pub(super) fn lay_plane(&self, contact: &Candidate) {
+        contact.lay_plane(self.outlines(contact));
+    }
+
+    /// Whether a contact is light for the ego, which its plane alone decides.
+    fn stays_light(&self, contact: &Candidate) -> Result<bool, RequestError> {
+        let Criteria { curves, policy, parameters } = self.criteria;
+        if !contact.may_be_heavy(parameters) {
+            return Ok(true);
+        }
+        self.lay_plane(contact);
+        let basis = Basis { curves, level: policy.outcome, parameters };
+        let harm = assess(&contact.encounter(), &Evidence::none(), &basis)
+            .map_err(|source| RequestError::Assess { name: contact.name.to_string(), source })?;
+        Ok(harm.is_settled() && Severity::of(&harm).0 == Severity::Light)
+    }
 }

@@ -19,7 +19,7 @@ use damage::course::{PASSED_M, RunOut, Severity};
 use damage::{CandidateHarm, Evidence};
 use geometry::motion::MotionPath;
 use geometry::{DVec3, RelativePose, Supports};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// A contact of a candidate, assessed.
 #[derive(Clone, Debug)]
@@ -132,7 +132,7 @@ pub(super) fn contact(
         pose,
         approach,
         is_stuck: is_start && stands,
-        plane: OnceCell::new(),
+        plane: OnceLock::new(),
         a,
         b,
         probability: 1.0,

@@ -6,15 +6,17 @@
 //!    +---- that meets nobody yet: its further looks go first +
 //! ```
 //!
-//! What comes about, and with which plane, takes as long as the looks. A course goes on as soon as
-//! its own looks are done, so the order in which courses do depends on workers; what becomes of
-//! each does not. What was not done is known by its course and its number there, so a replay leaves
+//! What comes about, and with which plane, takes as long as the looks. Nothing waits for planes of
+//! members: they are laid when there is nothing else to do, and the last of them by all cores. A
+//! course goes on as soon as its own looks are done, so the order in which courses do depends on
+//! workers; what becomes of each does not. What was not done is known by its course and its number there, so a replay leaves
 //! the same open.
 
 use super::Course;
 use super::assembly::{Assembly, Found};
 use super::history::{Cutoff, SearchClock, Surveyor};
 use super::rounds::{EncounterEffort, Round, Rounds};
+use crate::idle_cores::IdleCores;
 use crate::looks::{AskedLook, LookSource};
 use crate::request::{Request, RequestError};
 use crate::workspace::RunError;
@@ -25,6 +27,9 @@ use executor::encounter::{Encounters, LookOutcome};
 use record::OpenStep;
 use runtime::clock;
 use std::collections::VecDeque;
+
+/// Planes for each core that are laid without a look at the clock: a few milliseconds.
+const PLANES_AT_ONCE: usize = 16;
 
 impl Rounds<'_> {
     /// Searches for the contact that comes next in every course, as far as that matters, and as far
@@ -108,9 +113,11 @@ impl Rounds<'_> {
             begun: 0,
             looks: VecDeque::new(),
             ready: VecDeque::new(),
+            bare: VecDeque::new(),
             not_done: Vec::new(),
         };
         let looked = surveyor.look(&mut search, stage, time)?;
+        search.lay_planes(&surveyor.idle_cores(), time);
         let found = search.courses.into_iter().map(|course| course.found);
         let found = found.collect::<Result<_, _>>()?;
         effort.search.nb += looked.counters.nb;
@@ -155,6 +162,8 @@ pub(super) struct CourseSearch<'a, 'r> {
     looks: VecDeque<CourseLook>,
     /// Courses whose looks are all learnt.
     ready: VecDeque<usize>,
+    /// Members' courses with a contact whose plane is not laid.
+    bare: VecDeque<usize>,
     /// What was not done, in the order in which that came about.
     pub(super) not_done: Vec<OpenStep>,
 }
@@ -199,7 +208,7 @@ impl CourseSearch<'_, '_> {
     /// Assembles the next contact of a course whose looks are all learnt, if there is one.
     fn assemble(&mut self) -> bool {
         let Some(at) = self.ready.pop_front() else { return false };
-        let Self { assembly, courses, cutoff, not_done, .. } = self;
+        let Self { assembly, courses, cutoff, bare, not_done, .. } = self;
         let Searching { k, course, found, .. } = &mut courses[at];
         let mut steps = course.steps;
         let is_over = || {
@@ -213,11 +222,40 @@ impl CourseSearch<'_, '_> {
         };
         *found = assembly.next(*k, course, is_over);
         course.steps = steps;
+        if matches!(found, Ok(Some(_))) && assembly.is_member(*k) && !assembly.has_limit {
+            bare.push_back(at);
+        }
         if matches!(found, Ok(None)) && course.needs_looks() {
             // Each look is at a later time than the last one at that party.
             self.begin(at, false);
         }
         true
+    }
+
+    /// Lays the plane of a member's contact, if one is not laid. Its survey leaves no time for it:
+    /// there is often nothing to survey.
+    fn lay_plane(&mut self) -> bool {
+        let Some(at) = self.bare.pop_front() else { return false };
+        if let Ok(Some((_, contact))) = &self.courses[at].found {
+            self.assembly.lay_plane(contact);
+        }
+        true
+    }
+
+    /// Lays all planes that are still to be laid, when all workers wait.
+    fn lay_planes(&mut self, cores: &IdleCores, time: &SearchClock) {
+        let bare: Vec<usize> = self.bare.drain(..).collect();
+        let contacts = bare.iter().filter_map(|at| self.courses[*at].found.as_ref().ok()?.as_ref());
+        let contacts: Vec<_> =
+            contacts.map(|(_, contact)| (contact, self.assembly.outlines(contact))).collect();
+        for some in contacts.chunks(PLANES_AT_ONCE * cores.threads()) {
+            // Whoever has to hear of it does so in time.
+            time.is_past();
+            cores.map(&mut (), some.len(), |(), number| {
+                let (contact, outlines) = some[number];
+                contact.lay_plane(outlines)
+            });
+        }
     }
 }
 
@@ -261,6 +299,6 @@ impl LookSource for CourseSearch<'_, '_> {
     }
 
     fn use_spare_time(&mut self) -> bool {
-        self.assemble()
+        self.assemble() || self.lay_plane()
     }
 }
