@@ -92,6 +92,31 @@ fn one_ranking_is_measured_with_settings_that_no_decision_needs() {
     assert_eq!(assigned, counter("jobs") - counter("jobs_cut") + counter("jobs_reissued"));
 }
 
+/// Whatever cores there are, the answer is one; nobody is faster than all cores together.
+#[test]
+fn a_ranking_is_simulated_on_cores_that_there_are_not() {
+    let place = Place::new();
+    let path = place.write("ways.toml", &ways(2000));
+    let mut command = trolley();
+    command.args(["measure", "--virtual-cores", "--repeat", "1", "--members", "4", "--json"]);
+    let output = command.arg("--scenario").arg(path).output().expect("it can be started");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document = json(&output);
+    assert_eq!(document["schema"], "trolley.measure-virtual/1");
+    let rows = document["rows"].as_array().unwrap();
+    let cores: Vec<_> = rows.iter().map(|row| row["cores"].as_u64().unwrap()).collect();
+    assert_eq!(cores, [2, 2, 4, 5]);
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        let simulated = row["simulated"][1].as_f64().unwrap();
+        assert!(simulated > 0.0 && simulated <= number("cores"), "{row}");
+        assert!(number("coordinator") <= 1.0 && number("busy") <= 1.0, "{row}");
+    }
+    let costs = document["costs_ns"].as_array().unwrap();
+    assert!(costs.iter().all(|cost| cost.as_u64().unwrap() > 0), "{costs:?}");
+    refused(&["--virtual-cores", "--out", "x"], 2, "--scenario");
+}
+
 #[test]
 fn a_sweep_may_be_about_one_scheme_and_one_way_of_transfer() {
     let place = Place::new();

@@ -244,6 +244,7 @@ pub fn rank_courses(
     backend: &mut Backend,
 ) -> Result<RankedCourses, RunError> {
     let accepted_ns = clock::now_ns();
+    backend.begin(accepted_ns);
     let reserved_ns = SAYING_NS * request.scenario.candidates.len() as u64;
     let due_ns = limits
         .deadline_ns
@@ -265,6 +266,7 @@ pub fn rank_courses(
         let (until, search) = (limits.until.into(), time.search());
         ranked.history = Some(CourseHistory { until, search, rounds, open_steps });
     }
+    backend.end();
     Ok(ranked)
 }
 

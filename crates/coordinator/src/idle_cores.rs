@@ -1,8 +1,9 @@
 //! Work of the coordinator's own, shared with the cores of workers that wait for the next jobs.
 
-use runtime::affinity;
+use runtime::{affinity, clock};
 use smallvec::SmallVec;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread;
 
 /// Stack of a helper (bytes): all of it is resident where memory is locked.
@@ -16,12 +17,62 @@ pub const HELPER_STACK_BYTES: usize = 256 << 10;
 pub(crate) struct IdleCores {
     helpers: usize,
     cores: SmallVec<[usize; 8]>,
+    /// If there are no such cores: what they would have spared.
+    virtual_ones: Option<VirtualHelpers>,
+}
+
+/// Helpers on virtual cores.
+#[derive(Clone, Debug)]
+struct VirtualHelpers {
+    /// From the start of one to its first work (ns).
+    thread_ns: u64,
+    /// What all of them have spared (ns).
+    spared_ns: Arc<AtomicU64>,
+}
+
+impl VirtualHelpers {
+    /// Does all of it here, and adds what it would have spared to share it between so many threads.
+    fn map<T>(&self, threads: usize, count: usize, mut make: impl FnMut(usize) -> T) -> Vec<T> {
+        let mut took_ns = Vec::with_capacity(count);
+        let timed = |number| {
+            let begun_ns = clock::now_ns();
+            let made = make(number);
+            took_ns.push(clock::now_ns() - begun_ns);
+            made
+        };
+        let made = (0..count).map(timed).collect();
+        let spared_ns = self.spared_ns(threads, &took_ns);
+        self.spared_ns.fetch_add(spared_ns, Ordering::Relaxed);
+        made
+    }
+
+    /// What it spares (ns) that whoever is free first takes the next of these pieces.
+    fn spared_ns(&self, threads: usize, took_ns: &[u64]) -> u64 {
+        // When each is free: the caller begins at once, and waits for all helpers.
+        let mut free_ns = vec![self.thread_ns; threads];
+        free_ns[0] = 0;
+        for took_ns in took_ns {
+            if let Some(first) = free_ns.iter_mut().min() {
+                *first = first.saturating_add(*took_ns);
+            }
+        }
+        let shared_ns = free_ns.into_iter().max().unwrap_or(0);
+        took_ns.iter().sum::<u64>().saturating_sub(shared_ns)
+    }
 }
 
 impl IdleCores {
     /// `None`: a worker that the system puts wherever it likes.
     pub(crate) fn of(workers: &[Option<usize>]) -> Self {
-        Self { helpers: workers.len(), cores: workers.iter().flatten().copied().collect() }
+        let cores = workers.iter().flatten().copied().collect();
+        Self { helpers: workers.len(), cores, virtual_ones: None }
+    }
+
+    /// So many cores that there are not, the caller's among them. What they would have spared (ns)
+    /// is added to `spared_ns`.
+    pub(crate) fn virtual_ones(cores: usize, thread_ns: u64, spared_ns: Arc<AtomicU64>) -> Self {
+        let virtual_ones = Some(VirtualHelpers { thread_ns, spared_ns });
+        Self { helpers: cores.saturating_sub(1), cores: SmallVec::new(), virtual_ones }
     }
 
     /// How many threads share the work: the caller's, and one for each of these cores.
@@ -42,6 +93,9 @@ impl IdleCores {
         let most = self.helpers.min(count.saturating_sub(1));
         if most == 0 {
             return (0..count).map(|number| of(scratch, number)).collect();
+        }
+        if let Some(helpers) = &self.virtual_ones {
+            return helpers.map(most + 1, count, |number| of(scratch, number));
         }
         let next = AtomicUsize::new(0);
         let (next, of) = (&next, &of);

@@ -41,6 +41,7 @@ mod request_limits;
 mod strategy;
 #[cfg(test)]
 mod trial;
+mod virtual_cores;
 mod work;
 mod worker_pool;
 mod workspace;
@@ -65,6 +66,7 @@ pub use pairs::{PairWork, PoseFound, Spent};
 pub use request::RequestError;
 pub use request_limits::{RequestLimits, Until};
 pub use strategy::{Prospect, SearchOrder, Strategy};
+pub use virtual_cores::{MessageCosts, VirtualCores, VirtualSetup, VirtualTime};
 pub use work::{Effort, PartOf, TaskSource};
 #[cfg(feature = "faults")]
 pub use worker_pool::Corruption;

@@ -77,6 +77,7 @@ impl Backend {
         match self {
             // Bodies that are copied are so for the sections of jobs.
             Self::Workers(pool) if !pool.copies() => pool.look(source, bodies, (due_ns, &is_due)),
+            Self::Virtual(cores) => Ok(cores.look(source, OUT_PER_WORKER)),
             Self::Workers(_) | Self::InProcess(_) => {
                 Ok(look_here(source, |source, id| look_until(source, id, &is_due)))
             }
@@ -85,7 +86,7 @@ impl Backend {
 }
 
 /// What a look showed, and what it took; `None`: it was not done.
-type Seen = Option<(LookOutcome, Counters)>;
+pub(crate) type Seen = Option<(LookOutcome, Counters)>;
 
 /// Looks in this process, one after the other, by `see`.
 pub(crate) fn look_here<S: LookSource>(
@@ -109,7 +110,7 @@ fn look_until<S: LookSource>(source: &mut S, id: S::Id, is_due: &dyn Fn() -> boo
 
 impl LookEffort {
     /// Tells the source what a look in this process showed.
-    fn learn<S: LookSource>(&mut self, source: &mut S, id: S::Id, seen: Seen) {
+    pub(crate) fn learn<S: LookSource>(&mut self, source: &mut S, id: S::Id, seen: Seen) {
         if let Some((_, counters)) = &seen {
             self.counters.add(counters);
         }

@@ -3,6 +3,7 @@
 use crate::idle_cores::IdleCores;
 use crate::in_process::InProcessExecutor;
 use crate::request::RequestError;
+use crate::virtual_cores::{VirtualCores, VirtualTime};
 use crate::work::TaskSource;
 use crate::worker_pool::{IdleHook, WorkerPool, WorkerPoolError, WorkerPoolReport};
 use body::{BodyView, Meta};
@@ -29,6 +30,8 @@ pub enum Backend {
     Workers(Box<WorkerPool>),
     /// This process, one job after the other.
     InProcess(Box<InProcessExecutor>),
+    /// This process, as if by workers on cores that there are not.
+    Virtual(Box<VirtualCores>),
 }
 
 /// A request that could not be completed.
@@ -76,6 +79,7 @@ impl Backend {
         match self {
             Self::Workers(worker_pool) => worker_pool.work_off(work).map(|()| 0),
             Self::InProcess(executor) => Ok(executor.work_off(work)),
+            Self::Virtual(cores) => Ok(cores.work_off(work)),
         }
     }
 
@@ -84,7 +88,7 @@ impl Backend {
     pub fn worker_pool(&self) -> Option<&WorkerPool> {
         match self {
             Self::Workers(worker_pool) => Some(worker_pool),
-            Self::InProcess(_) => None,
+            Self::InProcess(_) | Self::Virtual(_) => None,
         }
     }
 
@@ -92,7 +96,7 @@ impl Backend {
     pub fn worker_pool_mut(&mut self) -> Option<&mut WorkerPool> {
         match self {
             Self::Workers(worker_pool) => Some(worker_pool),
-            Self::InProcess(_) => None,
+            Self::InProcess(_) | Self::Virtual(_) => None,
         }
     }
 
@@ -104,7 +108,34 @@ impl Backend {
 
     /// The cores of workers, which wait while no work is off; none in this process.
     pub(crate) fn idle_cores(&self) -> IdleCores {
-        self.worker_pool().map_or_else(IdleCores::default, WorkerPool::idle_cores)
+        match self {
+            Self::Workers(worker_pool) => worker_pool.idle_cores(),
+            Self::InProcess(_) => IdleCores::default(),
+            Self::Virtual(cores) => cores.idle_cores(),
+        }
+    }
+
+    /// Begins to rank what was accepted at this time (monotonic, ns).
+    pub(crate) fn begin(&mut self, accepted_ns: u64) {
+        if let Self::Virtual(cores) = self {
+            cores.begin(accepted_ns);
+        }
+    }
+
+    /// The answer is made.
+    pub(crate) fn end(&mut self) {
+        if let Self::Virtual(cores) = self {
+            cores.end();
+        }
+    }
+
+    /// How long the last ranking took on virtual cores, if it ran on any.
+    #[must_use]
+    pub fn virtual_time(&self) -> Option<&VirtualTime> {
+        match self {
+            Self::Virtual(cores) => Some(cores.time()),
+            Self::Workers(_) | Self::InProcess(_) => None,
+        }
     }
 
     /// What is called while a request is worked on, if something is.
@@ -112,6 +143,7 @@ impl Backend {
         match self {
             Self::Workers(worker_pool) => worker_pool.idle_hook().cloned(),
             Self::InProcess(executor) => executor.idle_hook().cloned(),
+            Self::Virtual(_) => None,
         }
     }
 }

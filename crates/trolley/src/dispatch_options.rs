@@ -13,6 +13,7 @@
 use crate::Failure;
 use body::{BodyView, Meta};
 use bvh::section;
+pub use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
 use dispatch::{Cache, LogEntry, Matching, Queues};
 use scenario::{EngineSettings, Scheme};
 use serde::Serialize;
@@ -93,6 +94,9 @@ pub struct DispatchOptions {
     pub memory_budget: Option<u64>,
     /// Whether to log which worker got which job.
     pub log: bool,
+    /// With [`in_process`](crate::EngineBuilder::in_process): to work as if by workers on cores
+    /// that there are not; see [`Engine::virtual_time`](crate::Engine::virtual_time).
+    pub virtual_cores: Option<VirtualSetup>,
 }
 
 impl DispatchOptions {

@@ -12,7 +12,7 @@ use crate::Failure;
 use crate::bodies::{Bodies, OnProgress};
 use crate::run::{Run, milliseconds};
 use crate::texts::{SourceText, Texts};
-use coordinator::{Backend, CourseHistory, WorkerPool};
+use coordinator::{Backend, CourseHistory, VirtualTime, WorkerPool};
 use dispatch::LogEntry;
 use runtime::{affinity, clock};
 use scenario::{EngineSettings as Settings, Overrides};
@@ -185,6 +185,28 @@ impl Engine {
     pub fn job_log(&self) -> &[LogEntry] {
         let backend = self.loaded.as_ref().and_then(|loaded| loaded.backend.as_ref());
         backend.and_then(Backend::worker_pool).map_or(&[], WorkerPool::log)
+    }
+
+    /// Returns how long the last ranking took on virtual cores, if
+    /// [`DispatchOptions::virtual_cores`](crate::dispatch_options::DispatchOptions::virtual_cores)
+    /// is set.
+    ///
+    /// ```
+    /// # use trolley::{Engine, Limits, Scenario};
+    /// use trolley::dispatch_options::{DispatchOptions, MessageCosts, VirtualSetup};
+    ///
+    /// # let scenario = Scenario::open("../../config/scenarios/small.toml")?;
+    /// let setup = VirtualSetup { workers: 4, is_shared: false, costs: MessageCosts::default() };
+    /// let options = DispatchOptions { virtual_cores: Some(setup), ..DispatchOptions::default() };
+    /// let mut engine = Engine::builder().in_process().dispatch_options(options).build()?;
+    /// engine.rank(&scenario, &Limits::default())?;
+    /// let busy = engine.virtual_time().map(|time| time.busy_ns.len());
+    /// assert_eq!(busy, Some(4));
+    /// # Ok::<(), trolley::Failure>(())
+    /// ```
+    #[must_use]
+    pub fn virtual_time(&self) -> Option<&VirtualTime> {
+        self.loaded.as_ref()?.backend.as_ref()?.virtual_time()
     }
 }
 

@@ -7,7 +7,9 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
-use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions, map, rank, sweep};
+use ::lab::measure::{
+    ALPHA, MapOptions, RankOptions, SweepOptions, VirtualOptions, map, rank, sweep, virtual_cores,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
@@ -24,6 +26,7 @@ Examples:
   trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
   trolley measure --map --out map
   trolley measure --scenario config/examples/crash.toml --scheme lowest-match --job-log jobs.csv
+  trolley measure --scenario config/scenarios/demo.toml --virtual-cores
 
 A pair is A,B,POSES. Bodies are model files, or shape:triangles for generated ones. Poses are a file
 (six lines, as for trolley intersect), or deep or scratch: B approaches from sixteen directions
@@ -52,6 +55,15 @@ pub(crate) struct MeasureArgs {
     /// Measure one ranking of this scenario instead.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
     scenario: Option<PathBuf>,
+    /// With --scenario: simulate it with one, two and four workers, on cores that need not be
+    /// there, and measure it on those that are.
+    #[arg(long, requires = "scenario", conflicts_with_all = ["transfer", "memory_budget",
+          "cache_bytes", "linger", "job_log", "search_order", "in_process"])]
+    virtual_cores: bool,
+    /// With --virtual-cores: how often each is ranked, in turns.
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "virtual_cores",
+          value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeat: u16,
     #[command(flatten)]
     references: ReferenceArgs,
     /// How jobs are matched to workers; a list for a sweep [default: all, or the scenario's].
@@ -93,6 +105,7 @@ pub(crate) struct MeasureArgs {
 
 pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failure> {
     match (&args.scenario, &args.out) {
+        (Some(scenario), _) if args.virtual_cores => simulated(args, scenario.clone(), output),
         (Some(scenario), _) => ranked(args, scenario.clone(), output),
         (None, Some(out)) if args.map => mapped(args, out.clone(), output),
         (None, Some(out)) => swept(args, out.clone(), output),
@@ -118,6 +131,7 @@ impl MeasureArgs {
             transfer: self.transfer.unwrap_or_default(),
             memory_budget: self.memory_budget,
             log: self.job_log.is_some(),
+            virtual_cores: None,
         }
     }
 }
@@ -168,16 +182,34 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
     show(&measured, || measured.text(), output)
 }
 
+/// One ranking of a scenario, on cores that need not be there.
+fn simulated(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
+    let options = VirtualOptions {
+        scenario,
+        references: args.references.references(),
+        overrides: Overrides { scheme: one_scheme(args)?, ..args.engine.overrides()? },
+        limits: args.limits.limits()?,
+        repeat: args.repeat,
+    };
+    let progress = output.progress("ranking: turns");
+    let report = virtual_cores(&options, &|done, total| progress.set(done, total))?;
+    drop(progress);
+    show(&report, || report.text(), output)
+}
+
+/// The scheme of a ranking, if one is named.
+fn one_scheme(args: &MeasureArgs) -> Result<Option<String>, Failure> {
+    match args.scheme.as_slice() {
+        [] => Ok(None),
+        [one] => Ok(Some(one.name().to_owned())),
+        _ => Err(Failure::setting("one ranking has one scheme")
+            .with_remedy("name one with --scheme, or leave --scenario out")),
+    }
+}
+
 /// One ranking of a scenario.
 fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
-    let scheme = match args.scheme.as_slice() {
-        [] => None,
-        [one] => Some(one.name().to_owned()),
-        _ => {
-            return Err(Failure::setting("one ranking has one scheme")
-                .with_remedy("name one with --scheme, or leave --scenario out"));
-        }
-    };
+    let scheme = one_scheme(args)?;
     let limits = args.limits.limits()?;
     let limits =
         args.search_order.map_or(limits, |search_order| limits.with_search_order(search_order));

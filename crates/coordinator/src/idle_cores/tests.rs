@@ -28,3 +28,19 @@ fn a_panic_of_a_helper_is_one_of_the_caller() {
     });
     assert!(panics.is_err());
 }
+
+#[test]
+fn virtual_helpers_spare_what_they_do_while_the_caller_works() {
+    let spared = |thread_ns: u64, threads: usize, took_ns: &[u64]| {
+        VirtualHelpers { thread_ns, spared_ns: Arc::default() }.spared_ns(threads, took_ns)
+    };
+    assert_eq!(spared(0, 1, &[5, 5, 5]), 0);
+    assert_eq!(spared(0, 3, &[5, 5, 5]), 10);
+    assert_eq!(spared(0, 2, &[4, 1, 1, 1, 1]), 4);
+    assert_eq!(spared(2, 2, &[4, 4]), 2);
+    // They are waited for, though all is done when they begin.
+    assert_eq!(spared(100, 4, &[5, 5]), 0);
+    let spared_ns = Arc::new(AtomicU64::new(0));
+    let cores = IdleCores::virtual_ones(2, 0, Arc::clone(&spared_ns));
+    assert_eq!((cores.threads(), cores.map(&mut (), 4, |(), k| 2 * k)), (2, vec![0, 2, 4, 6]));
+}

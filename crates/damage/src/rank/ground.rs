@@ -183,7 +183,8 @@ impl RankOrder<'_> {
 /// Two shares in percent, as the tables beside them, with more digits where these tell them apart.
 fn shares(both: [f64; 2]) -> [String; 2] {
     let said = |digits: usize| {
-        let least = (0..digits).fold(1.0, |least, _| 0.1 * least);
+        // Tenths would add up to more than the figure that they stand for.
+        let least = 1.0 / (0..digits).fold(1.0, |power, _| 10.0 * power);
         both.map(|share| match 100.0 * share {
             0.0 => "0 %".to_owned(),
             percent if percent > 0.0 && percent < least => format!("< {least:.digits$} %"),

@@ -1,7 +1,9 @@
 //! The order and its certainty: worked cases, and laws against complete runs (`laws.rs`).
 
 use super::interval::{Outlook, least};
+use super::standing::standing;
 use super::*;
+use crate::assess::CandidateBounds;
 use crate::dynamics::Response;
 use crate::harm::{CandidateHarm, DeltaV, PersonHarm};
 use crate::injury::{Quantity, Victim};
@@ -288,6 +290,73 @@ fn finished_equals_are_certified_by_the_tie_break_over_open_work() {
     assert!(matches!(why, Ground::TieBreak { by: TieBreak::Request, .. }), "{why:?}");
 }
 
+/// Whoever is named wins if surely nobody is acceptable; if somebody may be, nobody else can win;
+/// and where the one named may have fallen out before, nothing is known.
+#[test]
+fn a_fall_back_encloses_what_the_finished_run_may_find() {
+    let with = |is_first: bool, accept: f64, name: &str, ends: &[(f64, f64)]| {
+        let first = format!("[[level]]\nrule = \"precaution\"\naccept = {accept:?}\n");
+        let otherwise = format!("otherwise = \"fall-back\"\nfall_back = \"{name}\"\n");
+        let text = format!("{first}{otherwise}{}", level("bayes", 0.0));
+        let mut policy = policy("lexicographic", &text);
+        // No file may say so, but whoever makes a policy may.
+        policy.levels.rotate_left(usize::from(!is_first));
+        let candidate = |end: &(f64, f64)| {
+            let mut candidate = open(&[*end]);
+            candidate.persons[0].high_at_least = end.0;
+            candidate
+        };
+        let ranking = ranked(&policy, &ends.iter().map(candidate).collect::<Vec<_>>());
+        (ranking.state, ranking.possible)
+    };
+    let surely_nobody = with(true, 0.4, "1", &[(0.5, 0.6), (0.7, 0.7)]);
+    assert_eq!(surely_nobody, (AnswerState::Certified, vec![1]));
+    let perhaps_one = with(true, 0.4, "2", &[(0.3, 0.5), (0.6, 0.6), (0.7, 0.7)]);
+    assert_eq!(perhaps_one, (AnswerState::Degraded, vec![0, 2]));
+    let may_be_out = with(false, 0.2, "1", &[(0.1, 0.5), (0.3, 0.3), (0.25, 0.5)]);
+    assert_eq!(may_be_out, (AnswerState::Degraded, vec![0, 1, 2]));
+    let nobody = with(false, 0.2, "1", &[(0.25, 0.5), (0.3, 0.3)]);
+    assert_eq!(nobody, (AnswerState::Degraded, vec![0, 1]));
+}
+
+#[test]
+fn a_weighted_sum_is_explained_by_the_rule_that_gains_most_and_by_no_percent() {
+    // Bayes has the larger weight, ratio and sum; maximin the larger gain, 0.2 · 0.5.
+    let text = "tolerance = 0.01\n".to_owned()
+        + &{
+            let terms = [("bayes", 0.8), ("maximin", 0.2)];
+            terms.map(|(r, w)| format!("[[term]]\nrule = \"{r}\"\nweight = {w:?}\n")).concat()
+        };
+    let candidates = [[0.4, 0.4, 0.0, 0.0], [0.9, 0.1, 0.1, 0.1]].map(|risks| settled(&risks));
+    let ranking = ranked(&policy("weighted", &text), &candidates);
+    let why = ranking.places[0].why.as_ref().expect("there is a next");
+    assert!(matches!(why, Ground::Least { rule: Some(Rule::Maximin), .. }), "{why:?}");
+    let said = why.sentence("a", "b");
+    assert!(said.contains(", more than 0.01 above the least, mostly from"), "{said}");
+    let levels = level("bayes", 0.01);
+    let why = ranked(&policy("lexicographic", &levels), &candidates).places[0].why.clone();
+    let said = why.expect("there is a next").sentence("a", "b");
+    assert!(said.ends_with(", more than 1 percentage points above the least"), "{said}");
+}
+
+/// Of an open candidate, only what open work cannot take away decides a tie.
+#[test]
+fn a_tie_break_takes_open_work_at_its_lower_end() {
+    let by = |tie_break: &str, open: CandidateHarm| {
+        let text = DEFAULT_POLICY.replace("property = \"last\"", "property = \"ignored\"");
+        let line = text.lines().find(|line| line.starts_with("tie_break")).expect("it has one");
+        let text = text.replace(line, &format!("tie_break = [\"{tie_break}\", \"request\"]"));
+        let policy = Policy::parse("", &text.replace("tolerance = 0.0", "tolerance = 0.3"));
+        let done = candidate(&[Interval::exactly(0.1)], Interval::exactly(1_000.0));
+        let ranking = ranked(&policy.expect("sound"), &[open, done]);
+        (ranking.state == AnswerState::Certified).then(|| ranking.places[0].candidate)
+    };
+    let energy = |lo: f64| candidate(&[Interval::exactly(0.1)], Interval::new(lo, 3_000.0));
+    assert_eq!((by("energy", energy(1_001.0)), by("energy", energy(999.0))), (Some(1), None));
+    let high = |lo: f64| open(&[(lo, 0.3)]);
+    assert_eq!((by("high", high(0.11)), by("high", high(0.09))), (Some(1), None));
+}
+
 /// Whether the second candidate passes the first step depends on the open third, which itself drops
 /// out at the second: so the tie-break may not take the second as certain, though both are
 /// finished.
@@ -320,6 +389,7 @@ fn property_decides_only_between_equal_persons() {
     assert_eq!((ranking.state, order(&ranking)), (AnswerState::Complete, vec![2, 1, 3]));
     let why = ranking.places[0].why.as_ref().expect("there is a next");
     assert!(why.sentence("wall", "pole").contains("less property is damaged (800.0 against 900.0"));
+    assert!(matches!(why, Ground::Least { person: None, .. }), "{why:?}");
 }
 
 #[test]
@@ -370,6 +440,14 @@ fn a_reason_is_in_percent_with_as_many_digits_as_tell_both_apart() {
     assert_eq!(said(0.05123, 0.05124), "a before b: mean risk 5.123 % against 5.124 %");
     assert_eq!(said(1e-9, 0.0018), "a before b: mean risk < 0.01 % against 0.18 %");
     assert_eq!(said(0.0, 1.0), "a before b: mean risk 0 % against 100.00 %");
+    assert_eq!(said(1e-4, 0.5), "a before b: mean risk 0.01 % against 50.00 %");
+}
+
+/// A zero is +0, so that no answer says "-0".
+#[test]
+fn a_figure_has_no_negative_zero() {
+    assert_eq!(rounded(-0.0).to_bits(), 0);
+    assert_eq!(rounded(-1e-12).to_bits(), 0);
 }
 
 #[test]
@@ -392,6 +470,22 @@ fn what_cannot_be_ranked_is_refused() {
         let error = RankError::Responsibility(PersonId(0));
         assert_eq!(rank(&policy, &stakes, &[settled(&[0.1])]), Err(error));
     }
+    let one = |harm: CandidateHarm| rank(&policy, &[Stake::default()], &[harm]);
+    for probability in [-0.1, 1.1, f64::NAN] {
+        let harm = CandidateHarm { probability, ..settled(&[0.1]) };
+        assert_eq!(one(harm), Err(RankError::Figure(0)));
+    }
+    for energy_j in [Interval::new(-1.0, 1.0), Interval::new(0.0, f64::INFINITY)] {
+        assert_eq!(one(candidate(&[Interval::ZERO], energy_j)), Err(RankError::Figure(0)));
+    }
+    let bounds = CandidateBounds {
+        probability: f64::NAN,
+        energy_j: Interval::ZERO,
+        persons: Vec::new(),
+        is_done: false,
+    };
+    let unsound = standing(&policy, &[Stake::default()], &[bounds]);
+    assert_eq!(unsound, Err(RankError::Figure(0)));
     let lost = candidate(&[Interval::new(f64::NAN, 0.3)], Interval::ZERO);
     assert_eq!(rank(&policy, &[Stake::default()], &[lost]), Err(RankError::Figure(0)));
 }

@@ -61,7 +61,7 @@ impl Live<'_> {
     pub(super) fn pool(&mut self) -> &mut WorkerPool {
         match &mut self.backend {
             Backend::Workers(pool) => pool,
-            Backend::InProcess(_) => unreachable!("a campaign has workers"),
+            Backend::InProcess(_) | Backend::Virtual(_) => unreachable!("a campaign has workers"),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::bodies::Bodies;
 use crate::dispatch_options::{self, DispatchOptions};
 use crate::{BUILD, Failure};
 use body::Build;
-use coordinator::{Backend, InProcessExecutor, Options, WorkerPool};
+use coordinator::{Backend, InProcessExecutor, Options, VirtualCores, WorkerPool};
 use record::Mode;
 use runtime::affinity;
 use scenario::Overrides;
@@ -194,9 +194,11 @@ impl EngineBuilder {
         deadline_ns: Option<u64>,
     ) -> Result<Backend, Failure> {
         if self.in_process {
-            return Ok(Backend::InProcess(Box::new(InProcessExecutor::with_room_for(
-                &bodies.views()?,
-            ))));
+            let executor = InProcessExecutor::with_room_for(&bodies.views()?);
+            return Ok(match self.dispatch_options.virtual_cores {
+                Some(setup) => Backend::Virtual(Box::new(VirtualCores::new(setup, executor))),
+                None => Backend::InProcess(Box::new(executor)),
+            });
         }
         let cores = worker_cores(settings, &affinity::allowed_cores())?;
         pin_coordinator(settings)?;

@@ -1,0 +1,280 @@
+//! A ranking on virtual cores: how long it would take with more cores than there are.
+//!
+//! ```text
+//! the coordinator's work, here ──▶ timed ──▶ its virtual clock ──┐
+//! looks and jobs, here ──────────▶ timed ──▶ those of workers ───┴▶ when each result arrives
+//! ```
+//!
+//! All work is done in this process, one piece after the other, and every piece takes as long on
+//! its virtual core as it took here; what messages cost is given. The order of events is that of
+//! the virtual clocks, so what a look shows is learnt, and asks for the next one, when its result
+//! would arrive. The answer does not depend on any of this.
+//!
+//! Looks and jobs go to whoever has the fewest: no sections are counted. Results of surveys are
+//! folded as soon as they are found, though their time counts when they arrive. Caches, memory
+//! bandwidth and other programs are as they are here, where one piece runs at a time.
+
+use crate::idle_cores::IdleCores;
+use crate::in_process::InProcessExecutor;
+use crate::looks::{LookEffort, LookSource, Seen};
+use crate::work::TaskSource;
+use core::ops::ControlFlow;
+use dispatch::{Closed, Job};
+use runtime::clock;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What messages cost (ns).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MessageCosts {
+    /// Coordinator: per job handed out.
+    pub hand_out_ns: u64,
+    /// From there to the worker, and from the worker to the coordinator.
+    pub flight_ns: u64,
+    /// Worker: per result.
+    pub send_ns: u64,
+    /// Coordinator: per result.
+    pub take_ns: u64,
+    /// From the start of a thread that helps to its first work.
+    pub thread_ns: u64,
+}
+
+/// The cores of a ranking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VirtualSetup {
+    /// Workers, each on a core of its own; 0 counts as 1.
+    pub workers: usize,
+    /// Whether the coordinator runs on the core of the first worker, which pauses while it is busy;
+    /// otherwise it has a core of its own.
+    pub is_shared: bool,
+    /// What messages cost.
+    pub costs: MessageCosts,
+}
+
+/// How long a ranking took on virtual cores (ns).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VirtualTime {
+    /// From its acceptance to its answer.
+    pub total_ns: u64,
+    /// All of it by one core, without messages: what it took here.
+    pub alone_ns: u64,
+    /// What the coordinator was busy for, by itself.
+    pub coordinator_ns: u64,
+    /// What each worker was.
+    pub busy_ns: Vec<u64>,
+}
+
+/// Jobs of a survey that a worker has at once.
+const OUT_OF_SURVEY: usize = 32;
+
+/// Runs requests in this process as if by a coordinator and workers.
+#[derive(Debug)]
+pub struct VirtualCores {
+    setup: VirtualSetup,
+    executor: InProcessExecutor,
+    /// The coordinator's virtual time.
+    now_ns: u64,
+    /// Up to when the clock is accounted for.
+    counted_ns: u64,
+    time: VirtualTime,
+    workers: Vec<VirtualWorker>,
+    /// What helpers have spared since then.
+    spared_ns: Arc<AtomicU64>,
+}
+
+/// A worker: it does what it has in order.
+#[derive(Clone, Debug, Default)]
+struct VirtualWorker {
+    /// When it has done all that it has.
+    free_ns: u64,
+    /// When it sends the results that were not taken yet.
+    sent_ns: VecDeque<u64>,
+}
+
+impl VirtualCores {
+    /// Cores that do the work of this executor.
+    #[must_use]
+    pub fn new(setup: VirtualSetup, executor: InProcessExecutor) -> Self {
+        Self {
+            setup,
+            executor,
+            now_ns: 0,
+            counted_ns: clock::now_ns(),
+            time: VirtualTime::default(),
+            workers: Vec::new(),
+            spared_ns: Arc::default(),
+        }
+    }
+
+    /// Begins a request that was accepted at this time (monotonic).
+    pub(crate) fn begin(&mut self, accepted_ns: u64) {
+        let workers = self.setup.workers.max(1);
+        self.now_ns = 0;
+        self.counted_ns = accepted_ns;
+        self.spared_ns.store(0, Ordering::Relaxed);
+        self.workers = vec![VirtualWorker::default(); workers];
+        self.time = VirtualTime { busy_ns: vec![0; workers], ..VirtualTime::default() };
+    }
+
+    /// Ends it.
+    pub(crate) fn end(&mut self) {
+        self.count();
+        self.time.total_ns = self.now_ns;
+    }
+
+    /// How long the last request took.
+    #[must_use]
+    pub fn time(&self) -> &VirtualTime {
+        &self.time
+    }
+
+    /// The cores that share what the coordinator does while workers wait.
+    pub(crate) fn idle_cores(&self) -> IdleCores {
+        let cores = self.workers.len() + usize::from(!self.setup.is_shared);
+        IdleCores::virtual_ones(cores, self.setup.costs.thread_ns, Arc::clone(&self.spared_ns))
+    }
+
+    /// Looks, as workers would.
+    pub(crate) fn look<S: LookSource>(&mut self, source: &mut S, most_out: usize) -> LookEffort {
+        let mut effort = LookEffort::default();
+        let mut out: Vec<VecDeque<(S::Id, Seen)>> = Vec::new();
+        out.resize_with(self.workers.len(), VecDeque::new);
+        loop {
+            while out.iter().map(VecDeque::len).sum::<usize>() < most_out * self.workers.len() {
+                let Some(id) = source.next() else { break };
+                self.hand_out();
+                let begun_ns = clock::now_ns();
+                let seen = source.look(id, &mut |_| ControlFlow::Continue(()));
+                let worker = self.give(clock::now_ns() - begun_ns);
+                out[worker].push_back((id, seen));
+                effort.jobs += 1;
+            }
+            self.count();
+            let Some((arrives_ns, worker)) = self.first_result() else { return effort };
+            if arrives_ns > self.now_ns && source.use_spare_time() {
+                continue;
+            }
+            self.take(worker);
+            if let Some((id, seen)) = out[worker].pop_front() {
+                effort.learn(source, id, seen);
+            }
+        }
+    }
+
+    /// Works off a request as workers would. Returns the number of jobs.
+    pub(crate) fn work_off<W: TaskSource>(&mut self, work: &mut W) -> u64 {
+        work.accept(clock::now_ns());
+        let (mut jobs, mut count) = (Vec::new(), 0);
+        // How long each result takes to be folded, by worker.
+        let mut folds = vec![VecDeque::new(); self.workers.len()];
+        loop {
+            jobs.clear();
+            work.more(&mut jobs);
+            if jobs.is_empty() {
+                break;
+            }
+            for job in &jobs {
+                count += 1;
+                if work.is_obsolete(job) {
+                    work.close(job, Closed::Cut);
+                    continue;
+                }
+                if folds.iter().map(VecDeque::len).sum::<usize>() >= OUT_OF_SURVEY * folds.len() {
+                    self.take_first(&mut folds);
+                }
+                self.hand_out();
+                let (job_ns, fold_ns) = run(&mut self.executor, work, job);
+                let worker = self.give(job_ns);
+                folds[worker].push_back(fold_ns);
+                self.counted_ns = clock::now_ns();
+            }
+        }
+        while self.take_first(&mut folds) {}
+        count
+    }
+
+    /// Takes the result that arrives first, and folds it; `false` if there is none.
+    fn take_first(&mut self, folds: &mut [VecDeque<u64>]) -> bool {
+        self.count();
+        let Some((_, worker)) = self.first_result() else { return false };
+        self.take(worker);
+        let fold_ns = folds[worker].pop_front().unwrap_or(0);
+        self.time.alone_ns += fold_ns;
+        self.work(fold_ns);
+        true
+    }
+
+    /// When the next result arrives, and from which worker.
+    fn first_result(&self) -> Option<(u64, usize)> {
+        let first = |(number, worker): (usize, &VirtualWorker)| {
+            worker.sent_ns.front().map(|sent_ns| (sent_ns + self.setup.costs.flight_ns, number))
+        };
+        self.workers.iter().enumerate().filter_map(first).min()
+    }
+
+    /// Takes the next result of a worker, as soon as it is there.
+    fn take(&mut self, worker: usize) {
+        let sent_ns = self.workers[worker].sent_ns.pop_front().unwrap_or(0);
+        self.now_ns = self.now_ns.max(sent_ns + self.setup.costs.flight_ns);
+        self.work(self.setup.costs.take_ns);
+    }
+
+    fn hand_out(&mut self) {
+        self.count();
+        self.work(self.setup.costs.hand_out_ns);
+    }
+
+    /// Gives whoever has the fewest a job that takes so long. Returns whom.
+    fn give(&mut self, job_ns: u64) -> usize {
+        let load = |number: &usize| {
+            let worker = &self.workers[*number];
+            (worker.sent_ns.len(), worker.free_ns)
+        };
+        let number = (0..self.workers.len()).min_by_key(load).unwrap_or(0);
+        let MessageCosts { flight_ns, send_ns, .. } = self.setup.costs;
+        let worker = &mut self.workers[number];
+        worker.free_ns = worker.free_ns.max(self.now_ns + flight_ns) + job_ns + send_ns;
+        worker.sent_ns.push_back(worker.free_ns);
+        self.time.busy_ns[number] += job_ns + send_ns;
+        self.time.alone_ns += job_ns;
+        self.counted_ns = clock::now_ns();
+        number
+    }
+
+    /// Counts what was done here since the last time as the coordinator's.
+    fn count(&mut self) {
+        let now_ns = clock::now_ns();
+        let here_ns = now_ns.saturating_sub(self.counted_ns);
+        self.counted_ns = now_ns;
+        self.time.alone_ns += here_ns;
+        self.work(here_ns.saturating_sub(self.spared_ns.swap(0, Ordering::Relaxed)));
+    }
+
+    /// The coordinator works.
+    fn work(&mut self, ns: u64) {
+        let begun_ns = self.now_ns;
+        self.now_ns += ns;
+        self.time.coordinator_ns += ns;
+        let (true, Some(worker)) = (self.setup.is_shared, self.workers.first_mut()) else { return };
+        if worker.free_ns > begun_ns {
+            worker.free_ns += ns;
+        }
+        for sent_ns in worker.sent_ns.iter_mut().filter(|sent_ns| **sent_ns > begun_ns) {
+            *sent_ns += ns;
+        }
+    }
+}
+
+/// Runs a job. Returns how long it took, and how long its result took to be folded.
+fn run<W: TaskSource>(executor: &mut InProcessExecutor, work: &mut W, job: &Job) -> (u64, u64) {
+    let begun_ns = clock::now_ns();
+    let mut done_ns = None;
+    executor.run(work, job, &mut |_, _| done_ns = Some(clock::now_ns()));
+    let end_ns = clock::now_ns();
+    let done_ns = done_ns.unwrap_or(end_ns);
+    (done_ns - begun_ns, end_ns - done_ns)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,253 @@
+//! A ranking on more cores than there are: simulated with one, two and four workers, and measured
+//! with as many as this machine can give a core each.
+
+use super::{CalibrateOptions, calibrate};
+use crate::pair::PairName;
+use crate::progress::{Progress, SyncProgress};
+use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
+use runtime::clock;
+use scenario::Overrides;
+use serde::Serialize;
+use simulate::Costs;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::thread;
+use trolley::dispatch_options::DispatchOptions;
+use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, References, Run, Scenario};
+
+/// What messages cost is measured with these bodies.
+const PAIR: &str = "sedan:20000,suv:20000,deep";
+
+/// Numbers of workers, and whether the coordinator shares a core with one of them.
+const SETUPS: [(usize, bool); 4] = [(1, false), (2, true), (4, true), (4, false)];
+
+/// What to simulate.
+#[derive(Clone, Debug)]
+pub struct VirtualOptions {
+    /// Scenario, TOML.
+    pub scenario: PathBuf,
+    /// Which files the scenario may name.
+    pub references: References,
+    /// Engine settings that override the scenario's.
+    pub overrides: Overrides,
+    /// When to stop, and how many members there are.
+    pub limits: Limits,
+    /// Rankings of each kind, in turns.
+    pub repeat: u16,
+}
+
+/// A ranking with so many workers.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct VirtualRow {
+    /// How many workers.
+    pub workers: usize,
+    /// On how many cores they and the coordinator are.
+    pub cores: usize,
+    /// How much sooner it is done than alone, by the same pieces of work: least, median, most.
+    pub simulated: [f64; 3],
+    /// The coordinator is busy by itself for so much of the time, in the median.
+    pub coordinator: f64,
+    /// Workers are busy for so much of the time, in the mean and the median.
+    pub busy: f64,
+    /// The speed-up with real workers, of medians; `None`: there are too few cores.
+    pub measured: Option<f64>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct VirtualReport {
+    schema: &'static str,
+    scenario: String,
+    repeat: u16,
+    /// Rankings without workers: the median (ms).
+    alone_ms: f64,
+    costs_ns: [u64; 5],
+    rows: Vec<VirtualRow>,
+}
+
+/// One way to rank, and what came of it in each turn (ns).
+struct Kind {
+    engine: Engine,
+    took_ns: Vec<f64>,
+    times: Vec<VirtualTime>,
+}
+
+impl Kind {
+    fn of(builder: EngineBuilder, overrides: &Overrides) -> Result<Self, Failure> {
+        let engine = builder.overrides(overrides.clone()).build()?;
+        Ok(Self { engine, took_ns: Vec::new(), times: Vec::new() })
+    }
+
+    fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Answer, Failure> {
+        let ranking = self.engine.rank(scenario, limits)?;
+        let Run { stages, .. } = &ranking.run;
+        let ms = stages.plan_ms + stages.work_ms + stages.assess_ms + stages.worlds_ms;
+        self.took_ns.push(1e6 * ms);
+        self.times.extend(self.engine.virtual_time().cloned());
+        Ok(ranking.answer)
+    }
+
+    /// Forgets what was measured before anything was warm.
+    fn forget(&mut self) {
+        self.took_ns.clear();
+        self.times.clear();
+    }
+
+    fn median_ns(&self) -> f64 {
+        least_median_most(&self.took_ns)[1]
+    }
+}
+
+/// Simulates. `told` is called with the turns done.
+///
+/// # Errors
+///
+/// If the scenario cannot be ranked, or workers cannot be started.
+pub fn virtual_cores(
+    options: &VirtualOptions,
+    told: SyncProgress<'_>,
+) -> Result<VirtualReport, Failure> {
+    let scenario = Scenario::open_with(&options.scenario, options.references)?;
+    let costs = message_costs()?;
+    let in_process = || Engine::builder().in_process();
+    let mut kinds = vec![Kind::of(in_process(), &options.overrides)?];
+    let cores = runtime::affinity::allowed_cores().len();
+    let is_measured = |workers: usize, is_shared: bool| used(workers, is_shared) <= cores;
+    for (workers, is_shared) in SETUPS {
+        let setup = VirtualSetup { workers, is_shared, costs };
+        let virtual_cores = Some(setup);
+        let dispatch_options = DispatchOptions { virtual_cores, ..DispatchOptions::default() };
+        let builder = in_process().dispatch_options(dispatch_options);
+        kinds.push(Kind::of(builder, &options.overrides)?);
+    }
+    for (workers, _) in SETUPS.iter().filter(|setup| is_measured(setup.0, setup.1)) {
+        kinds.push(Kind::of(Engine::builder().workers(*workers), &options.overrides)?);
+    }
+    let bar = Progress::new(u64::from(options.repeat) + 1, told);
+    for turn in 0..=options.repeat {
+        let mut answer = None;
+        for kind in &mut kinds {
+            let found = kind.rank(&scenario, &options.limits)?;
+            if *answer.get_or_insert_with(|| found.clone()) != found {
+                return Err(Failure::internal("an answer depends on how it was worked out"));
+            }
+        }
+        // Bodies are loaded, and workers started, in the first one.
+        if turn == 0 {
+            kinds.iter_mut().for_each(Kind::forget);
+        }
+        bar.add(1);
+    }
+    let alone_ns = kinds[0].median_ns();
+    let (simulated, mut measured) = kinds[1..].split_at(SETUPS.len());
+    let mut rows = Vec::new();
+    for ((workers, is_shared), kind) in SETUPS.into_iter().zip(simulated) {
+        let mut row = row(workers, is_shared, &kind.times);
+        if is_measured(workers, is_shared)
+            && let Some((real, rest)) = measured.split_first()
+        {
+            row.measured = Some(alone_ns / real.median_ns());
+            measured = rest;
+        }
+        rows.push(row);
+    }
+    let MessageCosts { hand_out_ns, flight_ns, send_ns, take_ns, thread_ns } = costs;
+    Ok(VirtualReport {
+        schema: "trolley.measure-virtual/1",
+        scenario: options.scenario.display().to_string(),
+        repeat: options.repeat,
+        alone_ms: alone_ns / 1e6,
+        costs_ns: [hand_out_ns, flight_ns, send_ns, take_ns, thread_ns],
+        rows,
+    })
+}
+
+/// Cores that so many workers and a coordinator use.
+fn used(workers: usize, is_shared: bool) -> usize {
+    workers + usize::from(!is_shared)
+}
+
+fn row(workers: usize, is_shared: bool, times: &[VirtualTime]) -> VirtualRow {
+    let over = |part: f64, time: &VirtualTime| part / time.total_ns.max(1) as f64;
+    let all = |part: &dyn Fn(&VirtualTime) -> f64| {
+        let values: Vec<f64> = times.iter().map(|time| over(part(time), time)).collect();
+        least_median_most(&values)
+    };
+    let busy =
+        |time: &VirtualTime| time.busy_ns.iter().sum::<u64>() as f64 / time.busy_ns.len() as f64;
+    VirtualRow {
+        workers,
+        cores: used(workers, is_shared),
+        simulated: all(&|time| time.alone_ns as f64),
+        coordinator: all(&|time| time.coordinator_ns as f64)[1],
+        busy: all(&busy)[1],
+        measured: None,
+    }
+}
+
+fn least_median_most(values: &[f64]) -> [f64; 3] {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len().checked_sub(1) {
+        None => [f64::NAN; 3],
+        Some(last) => [sorted[0], sorted[last / 2], sorted[last]],
+    }
+}
+
+/// What messages cost between real processes of this machine, and threads.
+fn message_costs() -> Result<MessageCosts, Failure> {
+    let pair: PairName = PAIR.parse().map_err(|_| Failure::internal("no such pair"))?;
+    let Costs { batch_ns, place_ns, flight_ns, send_ns, take_ns, .. } =
+        calibrate(&CalibrateOptions { pair, repeat: 3, out: None })?;
+    Ok(MessageCosts {
+        // A job at a time, as looks are.
+        hand_out_ns: (batch_ns + place_ns) as u64,
+        flight_ns: flight_ns as u64,
+        send_ns: send_ns as u64,
+        take_ns: take_ns as u64,
+        thread_ns: thread_ns(),
+    })
+}
+
+/// From the start of a thread to its first work: the median of some (ns).
+fn thread_ns() -> u64 {
+    let mut all: Vec<u64> = (0..31)
+        .map(|_| {
+            let begun_ns = clock::now_ns();
+            let first_ns = thread::scope(|scope| scope.spawn(clock::now_ns).join());
+            first_ns.map_or(0, |first_ns| first_ns - begun_ns)
+        })
+        .collect();
+    all.sort_unstable();
+    all[all.len() / 2]
+}
+
+impl VirtualReport {
+    /// The report as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {:.1} ms in one process; medians of {} rankings in turns.\n\n\
+             | workers | cores | simulated | least | most | coordinator busy | workers busy | \
+             measured |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+            self.scenario, self.alone_ms, self.repeat
+        );
+        for row in &self.rows {
+            let VirtualRow { workers, cores, simulated: [least, median, most], .. } = row;
+            let (coordinator, busy) = (100.0 * row.coordinator, 100.0 * row.busy);
+            let measured = row.measured.map_or("–".to_owned(), |times| format!("{times:.2}"));
+            let _ = writeln!(
+                text,
+                "| {workers} | {cores} | {median:.2} | {least:.2} | {most:.2} | {coordinator:.0} % \
+                 | {busy:.0} % | {measured} |"
+            );
+        }
+        let [hand_out, flight, send, take, thread] = self.costs_ns;
+        let _ = writeln!(
+            text,
+            "\nA message takes {hand_out} + {flight} ns to a worker and {send} + {flight} + {take} \
+             ns back; a thread starts in {thread} ns."
+        );
+        text
+    }
+}
