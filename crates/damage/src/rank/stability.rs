@@ -232,7 +232,7 @@ impl<'a> Sought<'a> {
             }
             Composition::Weighted { terms, tolerance } => {
                 for term in terms.iter().filter(|term| term.weight < 1.0) {
-                    let places = self.crossings(terms, *term, *tolerance);
+                    let places = self.crossings(terms, *term);
                     seek(Knob::Weight { rule: term.rule }, term.weight, places, &|x| Policy {
                         composition: Composition::Weighted {
                             terms: reweighed(terms, *term, x),
@@ -258,23 +258,20 @@ impl<'a> Sought<'a> {
         pairs(&values).map(|(a, b)| (a - b).abs()).collect()
     }
 
-    /// The weights of a term at which two sums come to differ by 0 or by the tolerance: sums are
-    /// linear in the weight.
-    fn crossings(&self, terms: &[Term], term: Term, tolerance: f64) -> Vec<f64> {
+    /// The weights of a term at which two sums are equal: they are linear in the weight. The
+    /// tolerance decides nothing, as the sum without it is the next step.
+    fn crossings(&self, terms: &[Term], term: Term) -> Vec<f64> {
         let order = self.order(self.policy, &[], self.figures);
         let own = Measure::Rule(term.rule);
         let others = Measure::Weighted(reweighed(terms, term, 0.0).into());
         let ends: Vec<(f64, f64)> = (0..self.figures.len())
             .map(|k| (order.value(&own, k), order.value(&others, k)))
             .collect();
-        let mut places = Vec::new();
-        for (a, b) in pairs(&ends) {
+        let crossing = |(a, b): ((f64, f64), (f64, f64))| {
             let (at_one, at_zero) = (a.0 - b.0, a.1 - b.1);
-            for gap in [0.0, tolerance, -tolerance] {
-                places.push((gap - at_zero) / (at_one - at_zero));
-            }
-        }
-        places
+            -at_zero / (at_one - at_zero)
+        };
+        pairs(&ends).map(crossing).collect()
     }
 
     fn of_curves<H: Assessed>(

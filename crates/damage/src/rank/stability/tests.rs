@@ -93,7 +93,57 @@ fn a_curve_flips_where_its_own_risks_overtake() {
         let gap = moved("lubbe-pedestrian", 12.0) - moved("wang-frontal", 15.0);
         assert!(gap.abs() < 1e-8, "{id}: {gap}");
         assert_eq!(reserve.winner, Some(0));
+        let reserve = self::reserve(&stability, &Knob::Slope { curve: id.to_owned() });
+        let b = reserve.flips_at.expect("it flips");
+        let moved = |own: &str, v: f64| {
+            let own = curve(own);
+            Curve { b: if *own.id == *id { b } else { own.b }, ..own }.risk(Dose::at(v))
+        };
+        let gap = moved("lubbe-pedestrian", 12.0) - moved("wang-frontal", 15.0);
+        assert!(gap.abs() < 1e-8, "{id}: {gap}");
+        assert_eq!(reserve.winner, Some(0));
     }
+}
+
+/// A sum is followed by itself without its tolerance, so that flips nothing.
+#[test]
+fn a_tolerance_flips_the_worst_off_and_no_sum() {
+    let tolerance = Knob::Tolerance { level: None };
+    let worst_off = reserve(&of(&policy("leximin", ""), &k()), &tolerance);
+    assert!((worst_off.flips_at.expect("it flips") - 0.15).abs() < 1e-8, "{worst_off:?}");
+    assert_eq!(worst_off.winner, Some(2));
+    let [first, second, third] = k();
+    let third = CandidateHarm { energy_j: Interval::exactly(500.0), ..third };
+    let sum = reserve(&of(&weighted(0.5, 0.2, 0.3), &[first, second, third]), &tolerance);
+    assert_eq!(sum.flips_at, None);
+}
+
+/// A weight flips where sums are equal, whatever the tolerance and whoever comes first.
+#[test]
+fn a_weight_flips_where_sums_are_equal() {
+    let a = settled(&[0.3, 0.3, 0.3, 0.3, 0.0, 0.0]);
+    let b = settled(&[0.6, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let b = CandidateHarm { energy_j: Interval::exactly(500.0), ..b };
+    let terms = ["bayes", "maximin"].map(|r| format!("[[term]]\nrule = \"{r}\"\nweight = 0.5\n"));
+    for tolerance in ["", "tolerance = 0.05\n"] {
+        let policy = policy("weighted", &(tolerance.to_owned() + &terms.concat()));
+        for (candidates, winner) in [([a.clone(), b.clone()], 0), ([b.clone(), a.clone()], 1)] {
+            let stability = of(&policy, &candidates);
+            assert_eq!(stability.winner, Some(winner));
+            let bayes = reserve(&stability, &Knob::Weight { rule: Rule::Bayes });
+            assert!((bayes.flips_at.expect("it flips") - 0.75).abs() < 1e-8, "{bayes:?}");
+            assert_eq!(bayes.winner, Some(1 - winner));
+        }
+    }
+}
+
+/// The others could not keep their proportions: they have none.
+#[test]
+fn a_weight_that_is_alone_is_not_moved() {
+    let stability = of(&weighted(1.0, 0.0, 0.0), &k());
+    let is_of_bayes = |r: &Reserve| r.knob == Knob::Weight { rule: Rule::Bayes };
+    assert!(!stability.reserves.iter().any(is_of_bayes));
+    assert!(reserve(&stability, &Knob::Weight { rule: Rule::Maximin }).flips_at.is_some());
 }
 
 proptest! {
