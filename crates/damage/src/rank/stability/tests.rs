@@ -47,6 +47,17 @@ fn k_an_accepted_risk_flips_where_the_next_becomes_acceptable() {
     assert_eq!((accept.flips_at, accept.winner), (Some(0.35), Some(2)));
 }
 
+/// A value may be the very place: below it the third is not acceptable any more.
+#[test]
+fn k_an_accepted_risk_may_lie_where_it_flips() {
+    let first = "[[level]]\nrule = \"precaution\"\naccept = 0.35\n";
+    let policy = policy("lexicographic", &(first.to_owned() + &level("bayes", 0.0)));
+    let stability = of(&policy, &k());
+    assert_eq!(stability.winner, Some(2));
+    let accept = reserve(&stability, &Knob::Accept { level: 0 });
+    assert_eq!((accept.flips_at, accept.winner), (Some(0.35), Some(1)));
+}
+
 /// Between refusing and letting somebody win lies a flip as well.
 #[test]
 fn k_a_refusal_flips_where_somebody_becomes_acceptable() {
