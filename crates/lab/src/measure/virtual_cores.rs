@@ -196,7 +196,8 @@ fn least_median_most(values: &[f64]) -> [f64; 3] {
 
 /// What messages cost between real processes of this machine, and threads.
 fn message_costs() -> Result<MessageCosts, Failure> {
-    let pair: PairName = PAIR.parse().map_err(|_| Failure::internal("no such pair"))?;
+    let pair: PairName =
+        PAIR.parse().map_err(|fault| Failure::internal(format!("{PAIR}: {fault}")))?;
     let Costs { batch_ns, place_ns, flight_ns, send_ns, take_ns, .. } =
         calibrate(&CalibrateOptions { pair, repeat: 3, out: None })?;
     Ok(MessageCosts {
