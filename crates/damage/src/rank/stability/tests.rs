@@ -116,6 +116,49 @@ fn a_curve_flips_where_its_own_risks_overtake() {
     }
 }
 
+/// Of flips either way the nearer one counts: against a search in steps of a thousandth.
+#[test]
+fn of_two_flips_of_a_curve_the_nearer_one_counts() {
+    let all = Curves::shipped().expect("sound").curves;
+    let curve = all.iter().find(|c| *c.id == *"lubbe-pedestrian").expect("shipped");
+    let at = |v: f64| curve.risk(Dose::at(v));
+    // The first is both on the curve, the second one of them, the third none.
+    let with = |on_curve: &[f64], fixed: &[f64]| {
+        let risks: Vec<f64> =
+            on_curve.iter().map(|v| at(*v)).chain(fixed.iter().copied()).collect();
+        let mut harm = settled(&risks);
+        for (person, v) in harm.persons.iter_mut().zip(on_curve) {
+            person.curve = curve.id.clone();
+            person.x_m_s = Interval::exactly(*v);
+        }
+        harm
+    };
+    let policy = policy("lexicographic", &level("bayes", 0.0));
+    let mut sides = [0, 0];
+    for above in [0.01, 0.03, 0.1, 0.2] {
+        let one = at(14.0);
+        let low = one - 0.02;
+        let candidates =
+            [with(&[14.0, 14.0], &[]), with(&[14.0], &[low]), with(&[], &[one, low + above])];
+        let stability = of(&policy, &candidates);
+        assert_eq!(stability.winner, Some(1));
+        let knob = Knob::Intercept { curve: curve.id.to_string() };
+        let flips_at = reserve(&stability, &knob).flips_at.expect("it flips");
+        let winner = |a: f64| {
+            let moved = Curve { a, ..curve.clone() };
+            let moved: Vec<_> = candidates.iter().map(|harm| harm.with_curve(&moved)).collect();
+            ranked(&policy, &moved).places[0].candidate
+        };
+        let mut steps = (1..6_000).map(|step| 1e-3 * f64::from(step));
+        let nearest = steps
+            .find_map(|by| [-by, by].into_iter().find(|by| winner(curve.a + by) != 1))
+            .expect("it flips");
+        assert!((flips_at - curve.a - nearest).abs() <= 1e-3, "{flips_at} {nearest}");
+        sides[usize::from(nearest > 0.0)] += 1;
+    }
+    assert!(sides.iter().all(|count| *count > 0), "{sides:?}");
+}
+
 /// A sum is followed by itself without its tolerance, so that flips nothing.
 #[test]
 fn a_tolerance_flips_the_worst_off_and_no_sum() {

@@ -1,6 +1,7 @@
 //! Laws of the order and of its certainty, against complete runs.
 
 use super::*;
+use crate::rank::standing::needs_high;
 use proptest::prelude::*;
 
 pub(in crate::rank) fn policies() -> impl Strategy<Value = Policy> {
@@ -68,6 +69,41 @@ proptest! {
         let mut all = order(&before);
         all.sort_unstable();
         prop_assert_eq!(all, (1..=risks.len()).collect::<Vec<_>>());
+    }
+
+    /// While work is open, from bounds alone: who can still win, how much is settled, and who would
+    /// be first are as in an answer given now; what is compared is the first step of the policy
+    /// that is not the same for all possible winners whatever comes.
+    #[test]
+    fn the_standing_of_bounds_is_that_of_the_answer(policy in policies(), risks in risks()) {
+        let candidates: Vec<_> = risks.iter().map(|person| {
+            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
+            candidate(&works, Interval::ZERO)
+        }).collect();
+        let policy = &*among(&policy, candidates.len());
+        let stakes = stakes(risks[0].len());
+        let bounds: Vec<_> = candidates.iter().map(CandidateBounds::of).collect();
+        let standing = standing(policy, &stakes, &bounds).expect("sound bounds");
+        let answer = rank(policy, &stakes, &candidates).expect("sound candidates");
+        prop_assert_eq!(&standing.possible, &answer.possible);
+        prop_assert_eq!(standing.settled, answer.settled);
+        prop_assert_eq!(standing.incumbent, answer.places[0].candidate);
+        let has_accepted = policy.levels.iter().any(|step| matches!(step, Step::Accept { .. }));
+        prop_assert_eq!(needs_high(policy), has_accepted);
+        // By candidate, over open work: what each step compares.
+        let steps = |k: usize| {
+            &answer.places.iter().find(|place| place.candidate == k).expect("ranked").steps
+        };
+        let of_step = |step: usize| -> Vec<Interval> {
+            (0..candidates.len()).map(|k| steps(k)[step]).collect()
+        };
+        let count = steps(0).len();
+        let is_decided = |compared: &[Interval]| {
+            let first = compared[standing.possible[0]];
+            standing.possible.iter().all(|k| compared[*k].is_settled() && compared[*k] == first)
+        };
+        let expected = (0..count).map(of_step).find(|compared| !is_decided(compared));
+        prop_assert_eq!(&standing.compared, &expected.unwrap_or_else(|| of_step(count - 1)));
     }
 
     #[test]
