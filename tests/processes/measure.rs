@@ -115,6 +115,11 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     let costs = document["costs_ns"].as_array().unwrap();
     assert!(costs.iter().all(|cost| cost.as_u64().unwrap() > 0), "{costs:?}");
     refused(&["--virtual-cores", "--out", "x"], 2, "--scenario");
+    let path = place.path().join("ways.toml");
+    let scenario = ["--scenario", path.to_str().expect("a path of letters"), "--virtual-cores"];
+    for limit in [["--deadline-ms", "50"], ["--until", "certified"]] {
+        refused(&[&scenario[..], &limit].concat(), 2, "has no deadline, no early end");
+    }
 }
 
 #[test]

@@ -8,7 +8,9 @@ use crate::bodies::Bodies;
 use crate::dispatch_options::{self, DispatchOptions};
 use crate::{BUILD, Failure};
 use body::Build;
-use coordinator::{Backend, InProcessExecutor, Options, VirtualCores, WorkerPool};
+use coordinator::{
+    Backend, InProcessExecutor, Options, RequestLimits, Until, VirtualCores, WorkerPool,
+};
 use record::Mode;
 use runtime::affinity;
 use scenario::Overrides;
@@ -176,6 +178,10 @@ impl EngineBuilder {
     /// If a setting is out of range or contradicts another.
     pub fn build(self) -> Result<Engine, Failure> {
         applied(&Settings::DEFAULT, &self.overrides)?;
+        if self.dispatch_options.virtual_cores.is_some() && !self.in_process {
+            let failure = Failure::setting("workers have real cores, not virtual ones");
+            return Err(failure.with_remedy("work in this process, or leave virtual cores out"));
+        }
         let cache = BodyCache::of_bytes(self.cache_bytes);
         Ok(Engine { settings: self, loaded: None, cache })
     }
@@ -208,6 +214,21 @@ impl EngineBuilder {
         patience.longest_ns =
             deadline_ns.clamp(START_NS.min(patience.longest_ns), patience.longest_ns);
         Ok(Backend::Workers(Box::new(WorkerPool::start(bodies.store(), &options)?)))
+    }
+
+    /// Refuses what virtual cores cannot do: their time is not that of the clock, and the order of
+    /// their work is not recorded.
+    pub(super) fn check_limits(
+        &self,
+        limits: &RequestLimits,
+        is_recorded: bool,
+    ) -> Result<(), Failure> {
+        let is_limited = limits.deadline_ns.is_some() || limits.until != Until::Complete;
+        if self.dispatch_options.virtual_cores.is_some() && (is_limited || is_recorded) {
+            let what = "a ranking on virtual cores has no deadline, no early end and no record";
+            return Err(Failure::setting(what).with_remedy("leave these out"));
+        }
+        Ok(())
     }
 
     /// Who does the jobs.

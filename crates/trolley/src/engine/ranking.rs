@@ -109,6 +109,7 @@ impl Engine {
         limits.check()?;
         let deadline = scenario.parsed().deadline;
         let request_limits = limits.request_limits(deadline);
+        self.settings.check_limits(&request_limits, limits.wants_job_history())?;
         let due_ns = request_limits.deadline_ns;
         let is_drawn = drawn.is_some();
         let (ranking, scene) = self.with_scene(scenario, limits, due_ns, progress, |scene| {
