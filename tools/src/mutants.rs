@@ -153,16 +153,25 @@ fn try_all(workspace: &Workspace, part: &Part, every: u32) -> Result<Outcome> {
     let Part { name: part, package, tests, files } = *part;
     let folder = workspace.target.join("mutants").join(format!("{part}-{every}"));
     fs::create_dir_all(&folder)?;
-    let mut command = cargo();
-    command.current_dir(&workspace.root).args(["mutants", "--package", package]);
+    let command = || {
+        let mut command = cargo();
+        command.current_dir(&workspace.root).args(["mutants", "--package", package]);
+        command.args(["--no-shuffle", "--exclude", FLAWS]);
+        command.args(["--sharding", "round-robin", "--shard", &format!("0/{every}")]);
+        for file in files {
+            command.args(["--file", file]);
+        }
+        command
+    };
+    // What was caught in an earlier run may stand elsewhere by now.
+    let there = command().arg("--list").output().context("cannot start cargo")?;
+    ensure!(there.status.success(), "{part}: cargo mutants --list ended with {}", there.status);
+    let there = String::from_utf8_lossy(&there.stdout).into_owned();
+    let there: BTreeSet<&str> = there.lines().collect();
+    let mut command = command();
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     command.args(["--jobs", &cores.to_string()]);
-    command.args(["--iterate", "--no-shuffle", "--timeout", LONGEST_S, "--output"]).arg(&folder);
-    command.args(["--sharding", "round-robin", "--shard", &format!("0/{every}")]);
-    command.args(["--exclude", FLAWS]);
-    for file in files {
-        command.args(["--file", file]);
-    }
+    command.args(["--iterate", "--timeout", LONGEST_S, "--output"]).arg(&folder);
     // Nothing but unit tests is built, and examples in documentation would be so for each mutant.
     command.args(["--cargo-arg=--lib", "--", tests]);
     // Compiling takes longer than testing.
@@ -180,7 +189,8 @@ fn try_all(workspace: &Workspace, part: &Part, every: u32) -> Result<Outcome> {
     let out = folder.join("mutants.out");
     let list = |names: &[&str]| -> BTreeSet<String> {
         let text = names.iter().map(|name| fs::read_to_string(out.join(name)).unwrap_or_default());
-        text.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>()).collect()
+        let lines = text.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>());
+        lines.filter(|line| there.contains(line.as_str())).collect()
     };
     // Earlier runs keep both kinds in one list.
     let caught = list(&["caught.txt", "unviable.txt", "previously_caught.txt"]);

@@ -22,7 +22,7 @@ mod virtual_cores;
 
 pub use map::{Map, MapOptions, map};
 pub use ranking::{RankOptions, RankedRun, rank};
-pub use virtual_cores::{VirtualOptions, VirtualReport, VirtualRow, virtual_cores};
+pub use virtual_cores::{VirtualReport, VirtualRow, virtual_cores};
 
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};

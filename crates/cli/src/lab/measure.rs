@@ -7,9 +7,7 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
-use ::lab::measure::{
-    ALPHA, MapOptions, RankOptions, SweepOptions, VirtualOptions, map, rank, sweep, virtual_cores,
-};
+use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions, map, rank, sweep};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
@@ -20,9 +18,7 @@ use trolley::{Failure, Limits, SearchOrder};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley measure --quick --out results
-  trolley measure --pair sedan:20000,suv:20000,deep --pair sedan:20000,suv:20000,scratch \\
-      --out results
-  trolley measure --pair A.trolley,B.trolley,deep --out results
+  trolley measure --pair sedan:20000,suv:20000,deep --out results
   trolley measure --quick --scheme best-match,round-robin --transfer copy --out results
   trolley measure --map --out map
   trolley measure --scenario config/examples/crash.toml --scheme lowest-match --job-log jobs.csv
@@ -31,10 +27,7 @@ Examples:
 A pair is A,B,POSES. Bodies are model files, or shape:triangles for generated ones. Poses are a file
 (six lines, as for trolley intersect), or deep or scratch: B approaches from sixteen directions
 until it is 0.5 m, or 0.01 m, inside A. The claim about two contacts compares deep and scratch of
-the same bodies.
-
-A map takes its bodies, schemes and settings itself. Sheets that its folder already has are taken
-from there, so an interrupted map goes on with the same command.";
+the same bodies.";
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeasureArgs {
@@ -55,36 +48,26 @@ pub(crate) struct MeasureArgs {
     /// Measure one ranking of this scenario instead.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
     scenario: Option<PathBuf>,
-    /// With --scenario: simulate it with one, two and four workers, on cores that need not be
-    /// there, and measure it on those that are.
-    #[arg(long, requires = "scenario", conflicts_with_all = ["transfer", "memory_budget",
-          "cache_bytes", "linger", "job_log", "search_order", "in_process"])]
+    /// With --scenario: simulate one, two and four workers on cores that need not be there.
+    #[arg(long, requires = "scenario", conflicts_with_all = ["out", "in_process", "transfer"])]
     virtual_cores: bool,
-    /// With --virtual-cores: how often each is ranked, in turns.
-    #[arg(long, value_name = "N", default_value_t = 5, requires = "virtual_cores",
-          value_parser = clap::value_parser!(u16).range(1..=1000))]
-    repeat: u16,
     #[command(flatten)]
     references: ReferenceArgs,
     /// How jobs are matched to workers; a list for a sweep [default: all, or the scenario's].
     #[arg(long, value_name = "NAME", value_delimiter = ',',
           value_parser = named(Scheme::ALL, Scheme::name))]
     scheme: Vec<Scheme>,
-    /// Weight of the match against the load in best-match-load, 0 to 1 [default: 0.5, or the
-    /// scenario's].
+    /// Weight of the match against the load, 0 to 1 [default: 0.5, or the scenario's].
     #[arg(long)]
     alpha: Option<f64>,
-    /// How workers get the bodies: from the shared store, or as copied sections [default for a
-    /// sweep: both, for a ranking: zero-copy].
+    /// How workers get the bodies [default for a sweep: both, for a ranking: zero-copy].
     #[arg(long, value_name = "MODE", value_parser = named(TransferMode::ALL, TransferMode::name),
           conflicts_with = "in_process")]
     transfer: Option<TransferMode>,
-    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of the
-    /// bodies].
+    /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of all].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     memory_budget: Option<u64>,
-    /// Bytes of sections that the transfer ledger lets a core hold; the least recently used are
-    /// evicted [default: no limit].
+    /// Bytes of sections that the transfer ledger lets a core hold last [default: no limit].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     cache_bytes: Option<u64>,
     /// How long an incomplete batch waits for more jobs (µs).
@@ -105,7 +88,6 @@ pub(crate) struct MeasureArgs {
 
 pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failure> {
     match (&args.scenario, &args.out) {
-        (Some(scenario), _) if args.virtual_cores => simulated(args, scenario.clone(), output),
         (Some(scenario), _) => ranked(args, scenario.clone(), output),
         (None, Some(out)) if args.map => mapped(args, out.clone(), output),
         (None, Some(out)) => swept(args, out.clone(), output),
@@ -156,8 +138,8 @@ fn mapped(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode,
         return Err(Failure::setting("a map has seeds of its own").with_remedy("leave --seed out"));
     }
     let progress = output.progress("mapping");
-    let options = MapOptions { quick: args.quick, out };
-    let map = map(&options, &|done, total| progress.set(done, total))?;
+    let told = |done, total| progress.set(done, total);
+    let map = map(&MapOptions { quick: args.quick, out }, &told)?;
     drop(progress);
     show(&map, || map.text(), output)
 }
@@ -182,34 +164,13 @@ fn swept(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode, 
     show(&measured, || measured.text(), output)
 }
 
-/// One ranking of a scenario, on cores that need not be there.
-fn simulated(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
-    let options = VirtualOptions {
-        scenario,
-        references: args.references.references(),
-        overrides: Overrides { scheme: one_scheme(args)?, ..args.engine.overrides()? },
-        limits: args.limits.limits()?,
-        repeat: args.repeat,
-    };
-    let progress = output.progress("ranking: turns");
-    let report = virtual_cores(&options, &|done, total| progress.set(done, total))?;
-    drop(progress);
-    show(&report, || report.text(), output)
-}
-
-/// The scheme of a ranking, if one is named.
-fn one_scheme(args: &MeasureArgs) -> Result<Option<String>, Failure> {
-    match args.scheme.as_slice() {
-        [] => Ok(None),
-        [one] => Ok(Some(one.name().to_owned())),
-        _ => Err(Failure::setting("one ranking has one scheme")
-            .with_remedy("name one with --scheme, or leave --scenario out")),
-    }
-}
-
 /// One ranking of a scenario.
 fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<ExitCode, Failure> {
-    let scheme = one_scheme(args)?;
+    if args.scheme.len() > 1 {
+        return Err(Failure::setting("one ranking has one scheme")
+            .with_remedy("name one with --scheme, or leave --scenario out"));
+    }
+    let scheme = args.scheme.first().map(|one| one.name().to_owned());
     let limits = args.limits.limits()?;
     let limits =
         args.search_order.map_or(limits, |search_order| limits.with_search_order(search_order));
@@ -223,6 +184,13 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
         in_process: args.engine.in_process,
         job_log: args.job_log.clone(),
     };
+    if args.virtual_cores {
+        let progress = output.progress("ranking in turns");
+        let told = |done, total| progress.set(done, total);
+        let report = ::lab::measure::virtual_cores(&options, &told)?;
+        drop(progress);
+        return show(&report, || report.text(), output);
+    }
     let progress = output.progress("building bodies: triangles");
     let ranked = rank(&options, &|done, total| progress.set(done, total))?;
     drop(progress);

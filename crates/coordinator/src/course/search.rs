@@ -9,8 +9,8 @@
 //! What comes about, and with which plane, takes as long as the looks. Nothing waits for planes of
 //! members: they are laid when there is nothing else to do, and the last of them by all cores. A
 //! course goes on as soon as its own looks are done, so the order in which courses do depends on
-//! workers; what becomes of each does not. What was not done is known by its course and its number there, so a replay leaves
-//! the same open.
+//! workers; what becomes of each does not. What was not done is known by its course and its number
+//! there, so a replay leaves the same open.
 
 use super::Course;
 use super::assembly::{Assembly, Found};

@@ -470,13 +470,13 @@ fn what_cannot_be_ranked_is_refused() {
         let error = RankError::Responsibility(PersonId(0));
         assert_eq!(rank(&policy, &stakes, &[settled(&[0.1])]), Err(error));
     }
-    let one = |harm: CandidateHarm| rank(&policy, &[Stake::default()], &[harm]);
+    let alone = |harm: CandidateHarm| rank(&policy, &[Stake::default()], &[harm]);
     for probability in [-0.1, 1.1, f64::NAN] {
         let harm = CandidateHarm { probability, ..settled(&[0.1]) };
-        assert_eq!(one(harm), Err(RankError::Figure(0)));
+        assert_eq!(alone(harm), Err(RankError::Figure(0)));
     }
     for energy_j in [Interval::new(-1.0, 1.0), Interval::new(0.0, f64::INFINITY)] {
-        assert_eq!(one(candidate(&[Interval::ZERO], energy_j)), Err(RankError::Figure(0)));
+        assert_eq!(alone(candidate(&[Interval::ZERO], energy_j)), Err(RankError::Figure(0)));
     }
     let bounds = CandidateBounds {
         probability: f64::NAN,

@@ -1,7 +1,10 @@
 //! A ranking on more cores than there are: simulated with one, two and four workers, and measured
 //! with as many as this machine can give a core each.
 
-use super::{CalibrateOptions, calibrate};
+use super::bench::Bench;
+use super::calibrate::calibrate;
+use super::ranking::RankOptions;
+use super::sweep::FINE;
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
@@ -10,31 +13,18 @@ use scenario::Overrides;
 use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use std::thread;
 use trolley::dispatch_options::DispatchOptions;
-use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, References, Run, Scenario};
+use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, Run, Scenario};
 
 /// What messages cost is measured with these bodies.
 const PAIR: &str = "sedan:20000,suv:20000,deep";
 
+/// Rankings of each kind, in turns.
+const TURNS: u64 = 5;
+
 /// Numbers of workers, and whether the coordinator shares a core with one of them.
 const SETUPS: [(usize, bool); 4] = [(1, false), (2, true), (4, true), (4, false)];
-
-/// What to simulate.
-#[derive(Clone, Debug)]
-pub struct VirtualOptions {
-    /// Scenario, TOML.
-    pub scenario: PathBuf,
-    /// Which files the scenario may name.
-    pub references: References,
-    /// Engine settings that override the scenario's.
-    pub overrides: Overrides,
-    /// When to stop, and how many members there are.
-    pub limits: Limits,
-    /// Rankings of each kind, in turns.
-    pub repeat: u16,
-}
 
 /// A ranking with so many workers.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -58,7 +48,7 @@ pub struct VirtualRow {
 pub struct VirtualReport {
     schema: &'static str,
     scenario: String,
-    repeat: u16,
+    turns: u64,
     /// Rankings without workers: the median (ms).
     alone_ms: f64,
     costs_ns: [u64; 5],
@@ -98,13 +88,14 @@ impl Kind {
     }
 }
 
-/// Simulates. `told` is called with the turns done.
+/// Simulates the ranking of a scenario with its overrides and limits. `told` is called with the
+/// turns done.
 ///
 /// # Errors
 ///
 /// If the scenario cannot be ranked, or workers cannot be started.
 pub fn virtual_cores(
-    options: &VirtualOptions,
+    options: &RankOptions,
     told: SyncProgress<'_>,
 ) -> Result<VirtualReport, Failure> {
     let scenario = Scenario::open_with(&options.scenario, options.references)?;
@@ -123,8 +114,8 @@ pub fn virtual_cores(
     for (workers, _) in SETUPS.iter().filter(|setup| is_measured(setup.0, setup.1)) {
         kinds.push(Kind::of(Engine::builder().workers(*workers), &options.overrides)?);
     }
-    let bar = Progress::new(u64::from(options.repeat) + 1, told);
-    for turn in 0..=options.repeat {
+    let bar = Progress::new(TURNS + 1, told);
+    for turn in 0..=TURNS {
         let mut answer = None;
         for kind in &mut kinds {
             let found = kind.rank(&scenario, &options.limits)?;
@@ -155,7 +146,7 @@ pub fn virtual_cores(
     Ok(VirtualReport {
         schema: "trolley.measure-virtual/1",
         scenario: options.scenario.display().to_string(),
-        repeat: options.repeat,
+        turns: TURNS,
         alone_ms: alone_ns / 1e6,
         costs_ns: [hand_out_ns, flight_ns, send_ns, take_ns, thread_ns],
         rows,
@@ -198,8 +189,9 @@ fn least_median_most(values: &[f64]) -> [f64; 3] {
 fn message_costs() -> Result<MessageCosts, Failure> {
     let pair: PairName =
         PAIR.parse().map_err(|fault| Failure::internal(format!("{PAIR}: {fault}")))?;
-    let Costs { batch_ns, place_ns, flight_ns, send_ns, take_ns, .. } =
-        calibrate(&CalibrateOptions { pair, repeat: 3, out: None })?;
+    let pair = pair.load()?;
+    let costs = calibrate(&Bench::new(&pair, 3, false)?, FINE)?;
+    let Costs { batch_ns, place_ns, flight_ns, send_ns, take_ns, .. } = costs;
     Ok(MessageCosts {
         // A job at a time, as looks are.
         hand_out_ns: (batch_ns + place_ns) as u64,
@@ -231,7 +223,7 @@ impl VirtualReport {
             "{}: {:.1} ms in one process; medians of {} rankings in turns.\n\n\
              | workers | cores | simulated | least | most | coordinator busy | workers busy | \
              measured |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-            self.scenario, self.alone_ms, self.repeat
+            self.scenario, self.alone_ms, self.turns
         );
         for row in &self.rows {
             let VirtualRow { workers, cores, simulated: [least, median, most], .. } = row;

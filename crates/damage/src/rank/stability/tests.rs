@@ -121,11 +121,11 @@ fn a_curve_flips_where_its_own_risks_overtake() {
 fn of_two_flips_of_a_curve_the_nearer_one_counts() {
     let all = Curves::shipped().expect("sound").curves;
     let curve = all.iter().find(|c| *c.id == *"lubbe-pedestrian").expect("shipped");
-    let at = |v: f64| curve.risk(Dose::at(v));
+    let risk_at = |v: f64| curve.risk(Dose::at(v));
     // The first is both on the curve, the second one of them, the third none.
     let with = |on_curve: &[f64], fixed: &[f64]| {
         let risks: Vec<f64> =
-            on_curve.iter().map(|v| at(*v)).chain(fixed.iter().copied()).collect();
+            on_curve.iter().map(|v| risk_at(*v)).chain(fixed.iter().copied()).collect();
         let mut harm = settled(&risks);
         for (person, v) in harm.persons.iter_mut().zip(on_curve) {
             person.curve = curve.id.clone();
@@ -136,10 +136,10 @@ fn of_two_flips_of_a_curve_the_nearer_one_counts() {
     let policy = policy("lexicographic", &level("bayes", 0.0));
     let mut sides = [0, 0];
     for above in [0.01, 0.03, 0.1, 0.2] {
-        let one = at(14.0);
-        let low = one - 0.02;
+        let own = risk_at(14.0);
+        let low = own - 0.02;
         let candidates =
-            [with(&[14.0, 14.0], &[]), with(&[14.0], &[low]), with(&[], &[one, low + above])];
+            [with(&[14.0, 14.0], &[]), with(&[14.0], &[low]), with(&[], &[own, low + above])];
         let stability = of(&policy, &candidates);
         assert_eq!(stability.winner, Some(1));
         let knob = Knob::Intercept { curve: curve.id.to_string() };
