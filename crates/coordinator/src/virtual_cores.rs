@@ -96,15 +96,18 @@ impl VirtualCores {
     /// Cores that do the work of this executor.
     #[must_use]
     pub fn new(setup: VirtualSetup, executor: InProcessExecutor) -> Self {
-        Self {
+        let mut cores = Self {
             setup,
             executor,
             now_ns: 0,
-            counted_ns: clock::now_ns(),
+            counted_ns: 0,
             time: VirtualTime::default(),
             workers: Vec::new(),
             spared_ns: Arc::default(),
-        }
+        };
+        // What begins no request, as a search for every policy, has workers all the same.
+        cores.begin(clock::now_ns());
+        cores
     }
 
     /// Begins a request that was accepted at this time (monotonic).

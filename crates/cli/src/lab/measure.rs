@@ -67,7 +67,7 @@ pub(crate) struct MeasureArgs {
     /// With --transfer copy: bytes of sections that a worker may hold [default: 60 % of all].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     memory_budget: Option<u64>,
-    /// Bytes of sections that the transfer ledger lets a core hold last [default: no limit].
+    /// Bytes of sections that a core may hold by the transfer ledger [default: no limit].
     #[arg(long, value_name = "BYTES", conflicts_with = "in_process")]
     cache_bytes: Option<u64>,
     /// How long an incomplete batch waits for more jobs (µs).

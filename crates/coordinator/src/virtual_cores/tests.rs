@@ -64,7 +64,6 @@ impl LookSource for Chains {
 /// Four chains of looks on these cores: how long it took, and how long the looks of each.
 fn looked(setup: VirtualSetup) -> (VirtualTime, Vec<u64>) {
     let mut cores = VirtualCores::new(setup, InProcessExecutor::with_room_for(&[]));
-    cores.begin(clock::now_ns());
     let (left, took_ns) = (vec![5; 4], vec![0; 4]);
     let mut chains = Chains { ready: (0..4).collect(), left, took_ns, spare: 8, learnt: 0 };
     let effort = cores.look(&mut chains, 3);

@@ -9,7 +9,6 @@ use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
 use runtime::clock;
-use scenario::Overrides;
 use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
@@ -63,8 +62,8 @@ struct Kind {
 }
 
 impl Kind {
-    fn of(builder: EngineBuilder, overrides: &Overrides) -> Result<Self, Failure> {
-        let engine = builder.overrides(overrides.clone()).build()?;
+    fn of(builder: EngineBuilder) -> Result<Self, Failure> {
+        let engine = builder.build()?;
         Ok(Self { engine, took_ns: Vec::new(), times: Vec::new() })
     }
 
@@ -100,19 +99,19 @@ pub fn virtual_cores(
 ) -> Result<VirtualReport, Failure> {
     let scenario = Scenario::open_with(&options.scenario, options.references)?;
     let costs = message_costs()?;
-    let in_process = || Engine::builder().in_process();
-    let mut kinds = vec![Kind::of(in_process(), &options.overrides)?];
+    // Numbers of workers come after them, and in their place.
+    let builder = || Engine::builder().overrides(options.overrides.clone());
+    let mut kinds = vec![Kind::of(builder().in_process())?];
     let cores = runtime::affinity::allowed_cores().len();
     let is_measured = |workers: usize, is_shared: bool| used(workers, is_shared) <= cores;
     for (workers, is_shared) in SETUPS {
         let setup = VirtualSetup { workers, is_shared, costs };
         let virtual_cores = Some(setup);
         let dispatch_options = DispatchOptions { virtual_cores, ..DispatchOptions::default() };
-        let builder = in_process().dispatch_options(dispatch_options);
-        kinds.push(Kind::of(builder, &options.overrides)?);
+        kinds.push(Kind::of(builder().in_process().dispatch_options(dispatch_options))?);
     }
     for (workers, _) in SETUPS.iter().filter(|setup| is_measured(setup.0, setup.1)) {
-        kinds.push(Kind::of(Engine::builder().workers(*workers), &options.overrides)?);
+        kinds.push(Kind::of(builder().workers(*workers))?);
     }
     let bar = Progress::new(TURNS + 1, told);
     for turn in 0..=TURNS {
