@@ -120,6 +120,9 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     for limit in [["--deadline-ms", "50"], ["--until", "certified"]] {
         refused(&[&scenario[..], &limit].concat(), 78, "has no deadline, no early end");
     }
+    for unused in ["--workers", "--instance", "--linger", "--job-log", "--cache-bytes"] {
+        refused(&[&scenario[..], &[unused, "2"]].concat(), 2, unused);
+    }
 }
 
 #[test]

@@ -314,7 +314,9 @@ fn follow(
     effort.spared = (spared(courses) + spared(all_drawn)) as u64;
     let begun_ns = clock::now_ns();
     let is_drawn = judged.members.is_some();
-    let described = Description::of(&scenery, &people, courses, (&mut encounters, is_drawn));
+    let extremes = stage.extremes.unwrap_or_default();
+    let described =
+        Description::of(&scenery, &people, courses, (extremes, &mut encounters, is_drawn));
     let explain = || {
         let known = (courses, &judged.harms[..]);
         let criteria = &request.criteria;

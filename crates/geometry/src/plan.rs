@@ -24,9 +24,9 @@ pub struct ConvexOutline {
 
 impl ConvexOutline {
     /// The outline of a body in its own frame, given the greatest coordinate (m) of any of its
-    /// points along a horizontal unit vector.
+    /// points along a horizontal unit vector, which is asked of neighbours in turn.
     #[must_use]
-    pub fn of(support: impl Fn([f64; 2]) -> f64) -> Self {
+    pub fn of(mut support: impl FnMut([f64; 2]) -> f64) -> Self {
         let side = |i: usize| {
             let (sin, cos) = libm::sincos((360.0 / SIDES as f64 * i as f64).to_radians());
             ([cos, sin], support([cos, sin]))

@@ -7,7 +7,8 @@ use crate::engine_args::EngineArgs;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
-use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions, map, rank, sweep};
+use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions};
+use ::lab::measure::{map, rank, sweep, virtual_cores};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
@@ -49,7 +50,8 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "pair", "out"])]
     scenario: Option<PathBuf>,
     /// With --scenario: simulate one, two and four workers on cores that need not be there.
-    #[arg(long, requires = "scenario", conflicts_with_all = ["out", "in_process", "transfer"])]
+    #[arg(long, requires = "scenario", conflicts_with_all = ["out", "in_process", "workers",
+          "instance", "transfer", "memory_budget", "cache_bytes", "linger", "job_log"])]
     virtual_cores: bool,
     #[command(flatten)]
     references: ReferenceArgs,
@@ -138,8 +140,8 @@ fn mapped(args: &MeasureArgs, out: PathBuf, output: &Output) -> Result<ExitCode,
         return Err(Failure::setting("a map has seeds of its own").with_remedy("leave --seed out"));
     }
     let progress = output.progress("mapping");
-    let told = |done, total| progress.set(done, total);
-    let map = map(&MapOptions { quick: args.quick, out }, &told)?;
+    let options = MapOptions { quick: args.quick, out };
+    let map = map(&options, &|done, total| progress.set(done, total))?;
     drop(progress);
     show(&map, || map.text(), output)
 }
@@ -171,9 +173,8 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
             .with_remedy("name one with --scheme, or leave --scenario out"));
     }
     let scheme = args.scheme.first().map(|one| one.name().to_owned());
-    let limits = args.limits.limits()?;
-    let limits =
-        args.search_order.map_or(limits, |search_order| limits.with_search_order(search_order));
+    let own = args.limits.limits()?;
+    let limits = args.search_order.map_or(own, |order| own.with_search_order(order));
     let options = RankOptions {
         scenario,
         references: args.references.references(),
@@ -186,8 +187,7 @@ fn ranked(args: &MeasureArgs, scenario: PathBuf, output: &Output) -> Result<Exit
     };
     if args.virtual_cores {
         let progress = output.progress("ranking in turns");
-        let told = |done, total| progress.set(done, total);
-        let report = ::lab::measure::virtual_cores(&options, &told)?;
+        let report = virtual_cores(&options, &|done, total| progress.set(done, total))?;
         drop(progress);
         return show(&report, || report.text(), output);
     }

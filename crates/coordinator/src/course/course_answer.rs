@@ -8,6 +8,7 @@ use super::way::{Begin, Scenery};
 use super::worlds::WorldsRow;
 use super::{AssessedContact, Course, Stuck};
 use crate::answer::{self, PersonRow, PoseRow};
+use bvh::support::Extremes;
 use damage::course::Severity;
 use damage::{
     AnswerState, ContactPatch, CourseHarm, DeltaV, Interval, Note, Place, Policy, Range,
@@ -218,17 +219,26 @@ pub(super) struct Description {
 }
 
 impl Description {
-    /// Of courses in the scene as stated; `is_drawn`: there are members, too.
+    /// Of courses in the scene as stated; `is_drawn`: there are members, too. `extremes` as for
+    /// [`Outlines::of`].
     pub(super) fn of(
         scenery: &Scenery<'_>,
         people: &People,
         courses: &[Course<'_>],
-        (search, is_drawn): (&mut Encounters, bool),
+        (extremes, search, is_drawn): (&[Extremes], &mut Encounters, bool),
     ) -> Self {
-        let outlines = Outlines::of(scenery);
+        let outlines = Outlines::of(scenery, extremes);
         let predicted = Predicted::of(scenery);
         let all = courses.iter().enumerate();
-        let rows = all.map(|(k, course)| row(scenery, (&outlines, &predicted), k, course, search));
+        let rows = all.map(|(k, course)| {
+            let mut row = row(scenery, (&outlines, &predicted), k, course);
+            // Members take every predicted path as often as it is probable.
+            if !is_drawn && course.open_from_s().is_none() {
+                let way = (&course.way, &scenery.scenario.candidates[k]);
+                row.alternatives = flags::alternatives(scenery, way, search);
+            }
+            row
+        });
         let rows = rows.collect();
         let open = courses.iter().enumerate().filter_map(|(k, course)| {
             let missing = missing(scenery, course)?;
@@ -364,7 +374,6 @@ fn row(
     (outlines, predicted): (&Outlines, &Predicted),
     k: usize,
     course: &Course<'_>,
-    search: &mut Encounters,
 ) -> CourseRow {
     let candidate = &scenery.scenario.candidates[k];
     let way = (&course.way, candidate);
@@ -400,7 +409,7 @@ fn row(
             .then(|| flags::nearest((scenery, outlines, predicted), way, is_met))
             .flatten(),
         at_horizon: is_known.then(|| flags::at_horizon((scenery, outlines), way, is_met)),
-        alternatives: if is_known { flags::alternatives(scenery, way, search) } else { Vec::new() },
+        alternatives: Vec::new(),
         remarks: remarks(scenery, k, course),
         expected: None,
         is_stated_alone: false,

@@ -4,7 +4,7 @@
 //! Nothing here ranks. Distances are of outlines in plan, at steps of 50 ms.
 
 use super::way::{Scenery, Way};
-use bvh::support::support;
+use bvh::support::{Extremes, support_near};
 use executor::encounter::{Encounters, Look, LookOutcome};
 use geometry::plan::ConvexOutline;
 use geometry::{DVec3, Pose};
@@ -68,11 +68,19 @@ pub struct Alternative {
 pub(super) struct Outlines(Vec<ConvexOutline>);
 
 impl Outlines {
-    pub(super) fn of(scenery: &Scenery<'_>) -> Self {
-        let outline = |(_, view): &(body::Meta, body::BodyView<'_>)| {
-            ConvexOutline::of(|[x, y]| support(view, DVec3::new(x, y, 0.0)))
+    /// `extremes` of each body; fewer: the rest is found in the trees, to the same bits.
+    pub(super) fn of(scenery: &Scenery<'_>, extremes: &[Extremes]) -> Self {
+        let outline = |(number, (_, view)): (usize, &(body::Meta, body::BodyView<'_>))| {
+            let mut near = None;
+            ConvexOutline::of(|[x, y]| {
+                let direction = DVec3::new(x, y, 0.0);
+                match extremes.get(number) {
+                    Some(extremes) => extremes.support_near(view, direction, &mut near),
+                    None => support_near(view, direction, &mut near),
+                }
+            })
         };
-        Self(scenery.bodies.iter().map(outline).collect())
+        Self(scenery.bodies.iter().enumerate().map(outline).collect())
     }
 
     pub(super) fn of_party(&self, scenery: &Scenery<'_>, party: usize) -> &ConvexOutline {

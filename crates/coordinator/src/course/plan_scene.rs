@@ -177,7 +177,7 @@ pub(super) fn scene(
     rows: &[CourseRow],
 ) -> PlanScene {
     let scenario = scenery.scenario;
-    let outlines = Outlines::of(scenery);
+    let outlines = Outlines::of(scenery, &[]);
     let parties = scenario.parties.iter().enumerate().map(|(number, party)| PlanParty {
         name: party.name.to_string(),
         outline_m: outline(outlines.of_party(scenery, number).corners()),

@@ -164,7 +164,9 @@ pub fn search_courses(
     courses.truncate((1 + stages.last().map_or(0, |stage| stage.count as usize)) * candidates);
     let is_drawn = !request.members.is_nominal();
     let stated = &courses[..candidates];
-    let described = Description::of(&scenery, &people, stated, (&mut encounters, is_drawn));
+    let extremes = stage.extremes.unwrap_or_default();
+    let described =
+        Description::of(&scenery, &people, stated, (extremes, &mut encounters, is_drawn));
     let outlines = courses.iter().map(CourseOutline::of).collect();
     let Some(courses) = courses.into_iter().map(SearchedCourse::of).collect() else {
         return Ok(None);

@@ -108,8 +108,6 @@ impl MembersFound {
                 answer.missing.push(format!("{}: what happens in {of}", candidate.name));
             }
             candidate.expected = Some(own);
-            // They are among the members, as often as they are probable.
-            candidate.alternatives.clear();
         }
         let is_free =
             |name: &String| answer.ranking.iter().any(|row| row.name == *name && row.hits_nobody());

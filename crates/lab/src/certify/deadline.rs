@@ -3,6 +3,7 @@
 use super::figures::{Class, classes, names, percentile};
 use super::requests::{self, Extent, Pool};
 use crate::progress::{Progress, SyncProgress};
+use bvh::support::Extremes;
 use coordinator::{
     Backend, BodySet, CourseRequest, InProcessExecutor, Options, RequestLimits, WorkerPool,
     rank_courses,
@@ -65,6 +66,8 @@ pub struct DeadlineReport {
     late_ms: Vec<Class>,
     /// Against the deadline: median, 99 %, 99.9 %, all.
     late: [f64; 4],
+    /// Search for contacts and surveys of these: medians.
+    work_ms: [f64; 2],
     /// Time from the end of the work to the answer: median, 99 %, all.
     own_ms: [f64; 3],
 }
@@ -103,7 +106,9 @@ pub fn deadline(
         // Identical bodies that coincide in every triangle.
         asked[0] = requests::interpenetrating(&views)?;
     }
-    let stage = BodySet { bodies: &views, extremes: None, depth: 5 };
+    // A service has them, too.
+    let extremes: Vec<Extremes> = views.iter().map(|(_, view)| Extremes::of(view)).collect();
+    let stage = BodySet { bodies: &views, extremes: Some(&extremes), depth: 5 };
     let asked: Vec<CourseRequest<'_>> = asked
         .iter()
         .enumerate()
@@ -160,6 +165,9 @@ fn winner(request: &CourseRequest<'_>, stage: &BodySet<'_>) -> Result<Option<Str
 struct Asked {
     /// How late each answer was (ms); below 0: in time.
     late: Vec<f64>,
+    /// Time of the searches for contacts, and of the surveys of these (ms).
+    searches: Vec<f64>,
+    surveys: Vec<f64>,
     /// Time from the end of the work to the answer (ms).
     own: Vec<f64>,
     /// Number of answers in each state.
@@ -183,6 +191,8 @@ fn ask(
         let ranked = rank_courses(stage, &asked[at], limits, &mut backend)?;
         let answer = ranked.answer;
         let took_ms = (clock::now_ns() - ranked.effort.accepted_ns) as f64 / 1e6;
+        all.searches.push(ranked.effort.search_ns as f64 / 1e6);
+        all.surveys.push(ranked.effort.surveys_ns as f64 / 1e6);
         all.own.push(ranked.effort.judge_ns as f64 / 1e6);
         all.late.push(took_ms - options.deadline_ms);
         all.states[answer.state as usize] += 1;
@@ -203,7 +213,7 @@ fn ask(
 }
 
 fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> DeadlineReport {
-    let Asked { mut late, mut own, states, by_members } = all;
+    let Asked { mut late, searches, surveys, mut own, states, by_members } = all;
     let some = || format!("{} to {}", bodies.len() - 1, 2 * bodies.len() - 2);
     let others = options.others.map_or_else(some, |count| count.to_string());
     DeadlineReport {
@@ -220,6 +230,7 @@ fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> Deadlin
         by_members,
         late_ms: classes(&late, &CLASSES_MS),
         late: [0.5, 0.99, 0.999, 1.0].map(|share| percentile(&mut late, share)),
+        work_ms: [searches, surveys].map(|mut took_ms| percentile(&mut took_ms, 0.5)),
         own_ms: [0.5, 0.99, 1.0].map(|share| percentile(&mut own, share)),
     }
 }
@@ -270,11 +281,13 @@ impl DeadlineReport {
             }
         }
         let ([half, p99, p999, last], [own_half, own_p99, own_most]) = (self.late, self.own_ms);
+        let [search, surveys] = self.work_ms;
         let _written = writeln!(
             text,
             "\nAgainst the deadline: median {half:.2} ms, 99 % by {p99:.2} ms, 99.9 % by \
-             {p999:.2} ms, the last at {last:.2} ms. From the end of the work to the answer: \
-             median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most {own_most:.2} ms."
+             {p999:.2} ms, the last at {last:.2} ms. In the median the search for \
+             contacts took {search:.2} ms, and their surveys {surveys:.2}. From the end of the \
+             work to the answer: median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most {own_most:.2} ms."
         );
         text
     }
