@@ -285,9 +285,9 @@ impl DeadlineReport {
         let _written = writeln!(
             text,
             "\nAgainst the deadline: median {half:.2} ms, 99 % by {p99:.2} ms, 99.9 % by \
-             {p999:.2} ms, the last at {last:.2} ms. In the median the search for \
-             contacts took {search:.2} ms, and their surveys {surveys:.2}. From the end of the \
-             work to the answer: median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most {own_most:.2} ms."
+             {p999:.2} ms, the last at {last:.2} ms. In the median the search for contacts took \
+             {search:.2} ms, and their surveys {surveys:.2}. From the end of the work to the \
+             answer: median {own_half:.2} ms, 99 % {own_p99:.2} ms, the most {own_most:.2} ms."
         );
         text
     }
