@@ -14,12 +14,51 @@ const ROUNDING_M2: f64 = 1e-9;
 /// Shorter edges are none (m).
 const EDGE_MIN_M: f64 = 1e-9;
 
-/// A convex polygon in a plane, counter-clockwise (m).
+/// A convex polygon around a body in plan, in the frame of the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexOutline {
+    /// Counter-clockwise (m).
     corners: Vec<[f64; 2]>,
-    /// The greatest distance of a corner from the origin of its own frame (m).
+    /// The greatest distance of a corner from the origin (m).
     radius_m: f64,
+    bounds: Bounds,
+}
+
+/// A convex polygon in the plane of the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedOutline {
+    /// Counter-clockwise (m).
+    corners: Vec<[f64; 2]>,
+}
+
+/// A parallelogram around corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Bounds {
+    /// (m).
+    middle: [f64; 2],
+    /// From the middle to the middles of two sides that meet (m).
+    half_axes: [[f64; 2]; 2],
+}
+
+impl Bounds {
+    fn around(corners: &[[f64; 2]]) -> Self {
+        let ends = [0, 1].map(|axis| {
+            let along = corners.iter().map(|corner| corner[axis]);
+            along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+        });
+        let [x, y] = ends.map(|[lo, hi]| 0.5 * (hi - lo));
+        Self { middle: ends.map(|[lo, hi]| 0.5 * (lo + hi)), half_axes: [[x, 0.0], [0.0, y]] }
+    }
+
+    fn placed(&self, pose: &Pose) -> Self {
+        let [[a, b, _], [c, d, _], _] = pose.rotation;
+        let turned = |[x, y]: [f64; 2]| [a * x + b * y, c * x + d * y];
+        let [x, y] = turned(self.middle);
+        Self {
+            middle: [x + pose.translation[0], y + pose.translation[1]],
+            half_axes: self.half_axes.map(turned),
+        }
+    }
 }
 
 impl ConvexOutline {
@@ -41,24 +80,18 @@ impl ConvexOutline {
         };
         let corners: Vec<[f64; 2]> = (0..SIDES).map(corner).collect();
         let radius_m = corners.iter().map(|[x, y]| libm::sqrt(x * x + y * y)).fold(0.0, f64::max);
-        Self { corners, radius_m }
+        let bounds = Bounds::around(&corners);
+        Self { corners, radius_m, bounds }
     }
 
     /// The outline in the world, of a body that stands upright or nearly so.
     #[must_use]
-    pub fn placed(&self, pose: &Pose) -> Self {
+    pub fn placed(&self, pose: &Pose) -> PlacedOutline {
         let [[a, b, _], [c, d, _], _] = pose.rotation;
         let place = |[x, y]: &[f64; 2]| {
             [(a * x + b * y) + pose.translation[0], (c * x + d * y) + pose.translation[1]]
         };
-        Self { corners: self.corners.iter().map(place).collect(), ..*self }
-    }
-
-    /// The outline, moved (m).
-    #[must_use]
-    pub fn moved(&self, by: [f64; 2]) -> Self {
-        let corners = self.corners.iter().map(|c| [c[0] + by[0], c[1] + by[1]]).collect();
-        Self { corners, ..*self }
+        PlacedOutline { corners: self.corners.iter().map(place).collect() }
     }
 
     /// Its corners (m), counter-clockwise.
@@ -71,6 +104,34 @@ impl ConvexOutline {
     #[must_use]
     pub fn radius_m(&self) -> f64 {
         self.radius_m
+    }
+
+    /// How far apart two outlines are at least (m), each at its pose: the greatest gap between the
+    /// boxes around them, along a side of either or along the line through their middles. Never
+    /// more than [`PlacedOutline::distance_m`], rounding included; 0 where no gap is found.
+    #[must_use]
+    pub fn apart_at_least_m(&self, other: &Self, [pose, far]: [&Pose; 2]) -> f64 {
+        // Far above the rounding within 1000 km, and far below what matters (m).
+        const MARGIN_M: f64 = 1e-6;
+        let [a, b] = [self.bounds.placed(pose), other.bounds.placed(far)];
+        let way = [b.middle[0] - a.middle[0], b.middle[1] - a.middle[1]];
+        let axes = a.half_axes.into_iter().chain(b.half_axes).chain([way]);
+        let gaps = axes.map(|axis| {
+            let along = |v: [f64; 2]| (axis[0] * v[0] + axis[1] * v[1]).abs();
+            let [of_a, of_b] = [&a, &b].map(|of| of.half_axes.map(along).iter().sum::<f64>());
+            (along(way) - of_a - of_b) / libm::sqrt(axis[0] * axis[0] + axis[1] * axis[1])
+        });
+        // An axis of no length has no gap: `max` ignores it.
+        (gaps.fold(0.0, f64::max) - MARGIN_M).max(0.0)
+    }
+}
+
+impl PlacedOutline {
+    /// The outline, moved (m).
+    #[must_use]
+    pub fn moved(&self, by: [f64; 2]) -> Self {
+        let corners = self.corners.iter().map(|c| [c[0] + by[0], c[1] + by[1]]).collect();
+        Self { corners }
     }
 
     /// The distance to another outline (m); 0 where they overlap.
@@ -196,6 +257,8 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
 
+    const HERE: Pose = Pose::IDENTITY;
+
     /// A box of a length and a width about the origin.
     fn cuboid(length: f64, width: f64) -> ConvexOutline {
         ConvexOutline::of(|[x, y]| 0.5 * (x.abs() * length + y.abs() * width))
@@ -205,30 +268,32 @@ mod tests {
     fn a_box_keeps_its_corners_and_its_distances() {
         let car = cuboid(4.0, 2.0);
         assert!((car.radius_m() - 5.0_f64.sqrt()).abs() < 1e-9);
-        let ahead = car.placed(&Pose::from_degrees(0.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
+        let (car, small) = (car.placed(&HERE), cuboid(0.1, 0.1).placed(&HERE));
+        let ahead = cuboid(4.0, 2.0).placed(&Pose::from_degrees(0.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
         assert!((car.distance_m(&ahead) - 3.0).abs() < 1e-9);
-        let turned = car.placed(&Pose::from_degrees(90.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
+        let turned = cuboid(4.0, 2.0).placed(&Pose::from_degrees(90.0, 0.0, 0.0, [7.0, 0.5, 0.0]));
         assert!((car.distance_m(&turned) - 4.0).abs() < 1e-9);
         let corner = car.moved([5.0, 4.0]);
         assert!((car.distance_m(&corner) - 5.0_f64.sqrt()).abs() < 1e-9);
         assert_eq!(car.distance_m(&car.moved([3.9, 1.9])), 0.0);
-        assert_eq!(car.distance_m(&cuboid(0.1, 0.1)), 0.0, "one inside the other");
+        assert_eq!(car.distance_m(&small), 0.0, "one inside the other");
     }
 
     /// What is left out decides nothing.
     #[test]
     fn the_distance_is_the_least_over_all_pairs_of_corners_and_edges() {
         let mut rng = Rng::new(11);
-        let mut apart = 0;
+        let (mut apart, mut near) = (0, 0);
         for _ in 0..3_000 {
-            let [a, b] = [0, 1].map(|_| cuboid(rng.between(0.05, 15.0), rng.between(0.05, 3.0)));
+            let of = [0, 1].map(|_| cuboid(rng.between(0.05, 15.0), rng.between(0.05, 3.0)));
             let far = [1.0, 10.0, 1e5][rng.below(3) as usize];
-            let mut place = |outline: &ConvexOutline| {
+            let poses = [0, 1].map(|_| {
                 let at = [rng.between(-far, far), rng.between(-far, far), 0.0];
-                outline.placed(&Pose::from_degrees(rng.between(0.0, 360.0), 0.0, 0.0, at))
-            };
-            let (a, b) = (place(&a), place(&b));
-            let all = |a: &ConvexOutline, b: &ConvexOutline| {
+                let [pitch, roll] = [0, 1].map(|_| rng.between(-80.0, 80.0));
+                Pose::from_degrees(rng.between(0.0, 360.0), pitch, roll, at)
+            });
+            let [a, b] = [0, 1].map(|i| of[i].placed(&poses[i]));
+            let all = |a: &PlacedOutline, b: &PlacedOutline| {
                 let squares = a
                     .edges()
                     .flat_map(|edge| b.corners.iter().map(move |c| square_to_edge(*c, edge)));
@@ -238,7 +303,12 @@ mod tests {
             assert_eq!(a.distance_m(&b).to_bits(), expected.to_bits());
             assert_eq!(a.reach(&b).to_bits(), all(&a, &b).to_bits());
             apart += u32::from(expected > 0.0);
+            let at_least_m = of[0].apart_at_least_m(&of[1], poses.each_ref());
+            assert!(at_least_m <= expected, "{at_least_m} {expected}");
+            // Boxes are seldom much nearer: their corners are those of the outlines.
+            near += u32::from(expected > 0.0 && at_least_m > 0.9 * expected);
         }
+        assert!(near > 300, "{near} of {apart}");
         assert!(apart > 500, "{apart}");
     }
 
@@ -274,7 +344,7 @@ mod tests {
             };
             let pose = Pose::from_degrees(6.0 * f64::from(turn), 0.0, 0.0, [5.5, 0.3, 0.0]);
             let far = outline(&b).placed(&pose);
-            let gap = outline(&a).distance_m(&far);
+            let gap = outline(&a).placed(&HERE).distance_m(&far);
             let [[c, s, _], [d, e, _], _] = pose.rotation;
             let placed = b.iter().map(|p| [c * p[0] + s * p[1] + 5.5, d * p[0] + e * p[1] + 0.3]);
             let placed: Vec<[f64; 2]> = placed.collect();

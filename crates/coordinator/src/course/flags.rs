@@ -143,8 +143,8 @@ impl Predicted {
 
 /// The party that comes nearest to the ego on its way, of those that it does not touch.
 ///
-/// Outlines are compared where circles around them come nearest first, and no longer once these
-/// are farther apart than the nearest outlines.
+/// Outlines are compared where boxes around them come nearest first, and no longer once these are
+/// farther apart than the nearest outlines.
 pub(super) fn nearest(
     (scenery, outlines, predicted): (&Scenery<'_>, &Outlines, &Predicted),
     (way, candidate): (&Way<'_>, &Candidate),
@@ -164,11 +164,10 @@ pub(super) fn nearest(
     let own = outlines.of_party(scenery, ego);
     let mut order: Vec<(f64, usize, usize)> = Vec::new();
     for party in scenery.others().filter(|party| !is_met(*party)) {
-        let reach = own.radius_m() + outlines.of_party(scenery, party).radius_m();
+        let outline = outlines.of_party(scenery, party);
         for (step, pose) in egos.iter().enumerate() {
-            let at = other(party, step).translation;
-            let [x, y] = [0, 1].map(|axis| at[axis] - pose.translation[axis]);
-            order.push(((x * x + y * y).sqrt() - reach, step, party));
+            let apart_m = own.apart_at_least_m(outline, [pose, &other(party, step)]);
+            order.push((apart_m, step, party));
         }
     }
     let by_gap = |a: &(f64, usize, usize), b: &(f64, usize, usize)| {
