@@ -120,7 +120,8 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     for limit in [["--deadline-ms", "50"], ["--until", "certified"]] {
         refused(&[&scenario[..], &limit].concat(), 78, "has no deadline, no early end");
     }
-    for unused in ["--workers", "--instance", "--linger", "--job-log", "--cache-bytes"] {
+    let no_meaning = ["--workers", "--instance", "--linger", "--job-log", "--cache-bytes"];
+    for unused in no_meaning.into_iter().chain(["--memory-budget"]) {
         refused(&[&scenario[..], &[unused, "2"]].concat(), 2, unused);
     }
 }

@@ -34,6 +34,21 @@ pub fn support_near(view: &BodyView<'_>, direction: DVec3, near: &mut Option<[f3
     greatest + 0.0
 }
 
+/// [`support_near`] from the extremes of the body, where they are kept, or else from its tree: the
+/// same bits.
+#[must_use]
+pub fn support_from(
+    extremes: Option<&Extremes>,
+    view: &BodyView<'_>,
+    direction: DVec3,
+    near: &mut Option<[f32; 3]>,
+) -> f64 {
+    match extremes {
+        Some(extremes) => extremes.support_near(view, direction, near),
+        None => support_near(view, direction, near),
+    }
+}
+
 /// A corner with the greatest `x·d`; the origin for a body without a tree.
 fn farthest(view: &BodyView<'_>, direction: DVec3) -> [f32; 3] {
     let mut farthest = [0.0; 3];

@@ -7,7 +7,7 @@ use super::way::{Begin, NextContact, Scenery};
 use crate::request::{Candidate, RequestError};
 use crate::workspace::BodySet;
 use body::Outlines;
-use bvh::support::{Extremes, support_near};
+use bvh::support::{Extremes, support_from};
 use damage::approach::STANDSTILL_M_S;
 use damage::course::{PASSED_M, Severity};
 use damage::{Basis, Criteria, Evidence, assess};
@@ -41,10 +41,8 @@ impl Assembly<'_, '_> {
         let Self { scenery, people, stage, extremes, has_limit, .. } = self;
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
-            match stage.extremes.unwrap_or(extremes).get(model) {
-                Some(extremes) => extremes.support_near(view, direction, near),
-                None => support_near(view, direction, near),
-            }
+            let extremes = stage.extremes.unwrap_or(extremes).get(model);
+            support_from(extremes, view, direction, near)
         };
         let is_member = self.is_member(k);
         if course.stuck.is_some() {

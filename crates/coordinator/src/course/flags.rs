@@ -4,7 +4,7 @@
 //! Nothing here ranks. Distances are of outlines in plan, at steps of 50 ms.
 
 use super::way::{Scenery, Way};
-use bvh::support::{Extremes, support_near};
+use bvh::support::{Extremes, support_from};
 use executor::encounter::{Encounters, Look, LookOutcome};
 use geometry::plan::ConvexOutline;
 use geometry::{DVec3, Pose};
@@ -74,10 +74,7 @@ impl Outlines {
             let mut near = None;
             ConvexOutline::of(|[x, y]| {
                 let direction = DVec3::new(x, y, 0.0);
-                match extremes.get(number) {
-                    Some(extremes) => extremes.support_near(view, direction, &mut near),
-                    None => support_near(view, direction, &mut near),
-                }
+                support_from(extremes.get(number), view, direction, &mut near)
             })
         };
         Self(scenery.bodies.iter().enumerate().map(outline).collect())

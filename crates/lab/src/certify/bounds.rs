@@ -44,6 +44,8 @@ pub struct BoundsReport {
     seed: u64,
     scenes: u64,
     stops: u64,
+    /// Those of scenes with members.
+    over_members: u64,
     intervals: u64,
     open_intervals: u64,
     certified: u64,
@@ -106,6 +108,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
         seed: options.seed,
         scenes,
         stops: all.stops,
+        over_members: all.over_members,
         intervals: all.intervals,
         open_intervals: all.open_intervals,
         certified: all.certified,
@@ -127,10 +130,11 @@ impl BoundsReport {
     pub fn text(&self) -> String {
         let made = if self.is_flawed { " of answers made wrong on purpose" } else { "" };
         let mut text = format!(
-            "{} stops in {} scenes, {} policies, seed {}: {} intervals compared \
-             with the finished run, {} of them open, {} stops with a certain winner and open \
-             work.\n{} violations{made}.\n",
+            "{} stops, {} of them over members, in {} scenes, {} policies, seed {}: {} intervals \
+             compared with the finished run, {} of them open, {} stops with a certain winner and \
+             open work.\n{} violations{made}.\n",
             self.stops,
+            self.over_members,
             self.scenes,
             self.policies,
             self.seed,
