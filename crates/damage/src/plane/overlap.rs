@@ -150,11 +150,12 @@ impl Side<'_> {
             }
             let [a, b] = edge.ends;
             let is_near = edge.low[0] - SAME_M <= middle[0] && middle[0] <= edge.high[0] + SAME_M;
-            if is_near && distance_m(middle, edge.ends) <= SAME_M {
+            if is_near {
                 let other = sub(b, a);
                 let (along, across) = (dot(way, other), cross(way, other));
                 // Edges that only cross here are no coincidence.
-                if across.abs() <= 1e-3 * along.abs() {
+                let is_parallel = across.abs() <= 1e-3 * along.abs();
+                if is_parallel && distance_m(middle, edge.ends) <= SAME_M {
                     return if along > 0.0 { Place::SameWay } else { Place::OtherWay };
                 }
             }
@@ -182,10 +183,18 @@ impl Side<'_> {
             let [a, b] = other.ends.map(|end| [end[0] + self.moved_m, end[1]]);
             let e = sub(b, a);
             let across = cross(d, e);
-            let parallel = 1e-12 * (square * dot(e, e)).sqrt();
-            if across.abs() > parallel {
+            let squares = square * dot(e, e);
+            // Most are far from parallel: then no root decides it.
+            let is_crossing =
+                across * across > 1e-20 * squares || across.abs() > 1e-12 * squares.sqrt();
+            if is_crossing {
                 let w = sub(a, p);
-                let (s, t) = (cross(w, e) / across, cross(w, d) / across);
+                let along = cross(w, e);
+                // The quotient would be 0 or less, or 1 or more: most edges end before.
+                if along.abs() >= across.abs() || (along > 0.0) != (across > 0.0) {
+                    continue;
+                }
+                let (s, t) = (along / across, cross(w, d) / across);
                 if (-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0 {
                     cuts.push(s);
                 }
@@ -200,7 +209,9 @@ impl Side<'_> {
             }
         }
         cuts.push(1.0);
-        cuts.sort_by(f64::total_cmp);
+        if cuts.len() > 2 {
+            cuts.sort_by(f64::total_cmp);
+        }
         for pair in cuts.windows(2) {
             let point = |s: f64| [p[0] + s * d[0], p[1] + s * d[1]];
             let (from, to) = (point(pair[0]), point(pair[1]));
@@ -221,6 +232,9 @@ pub(super) struct Facing {
     struck: [SmallVec<[Option<u32>; 32]>; 2],
     /// By how much B comes nearer at most (m).
     most_m: f64,
+    /// Where A's edges end along u, and where B's begin (m).
+    last_of_a: f64,
+    first_of_b: f64,
 }
 
 /// A set of depths, by number.
@@ -333,7 +347,9 @@ impl Facing {
         let beside = [Beside::of(0, &of_a, &of_b, step_m), Beside::of(1, &of_b, &of_a, step_m)];
         let slabs = [a.height_m[0], b.height_m[0]];
         let struck = [&of_a, &of_b].map(|edges| SmallVec::from_elem(None, edges.len()));
-        Some(Self { edges: [of_a, of_b], beside, slabs, struck, most_m })
+        let last_of_a = of_a.iter().map(|edge| edge.high[0]).fold(f64::NEG_INFINITY, f64::max);
+        let first_of_b = of_b.iter().map(|edge| edge.low[0]).fold(f64::INFINITY, f64::min);
+        Some(Self { edges: [of_a, of_b], beside, slabs, struck, most_m, last_of_a, first_of_b })
     }
 
     /// By how much B has come nearer at a depth (m).
@@ -349,34 +365,31 @@ impl Facing {
         struck: &mut [SmallVec<[Struck; 16]>; 2],
     ) -> Option<Overlap> {
         let travel_m = self.travel_m(depth);
-        let [of_a, of_b] = &self.edges;
-        let ends = |edges: &Edges, from: f64, pick: fn(f64, f64) -> f64, end: fn(&Edge) -> f64| {
-            edges.iter().map(end).fold(from, pick)
-        };
         // Only between B's first edge and A's last one along u is there anything.
-        let low = ends(of_b, f64::INFINITY, f64::min, |edge| edge.low[0]) - travel_m - SAME_M;
-        let high = ends(of_a, f64::NEG_INFINITY, f64::max, |edge| edge.high[0]) + SAME_M;
+        let (low, high) = (self.first_of_b - travel_m - SAME_M, self.last_of_a + SAME_M);
         if low > high {
             return None;
         }
-        let origin = [0.5 * (low + high), of_a.first().map_or(0.0, |edge| edge.low[1])];
+        let origin = [0.5 * (low + high), self.edges[0].first().map_or(0.0, |edge| edge.low[1])];
         let mut sums = Sums::at(origin);
         let mut found: SmallVec<[Piece; 8]> = SmallVec::new();
         let moves = [0.0, -travel_m];
         for side in 0..2 {
             let (own_moved_m, other) = (moves[side], &self.edges[1 - side]);
             for (number, edge) in self.edges[side].iter().enumerate() {
-                let edge = edge.moved(own_moved_m);
-                if edge.high[0] < low || edge.low[0] > high {
+                let (beside, row) = self.beside[side].of_edge(number);
+                let is_met = row.meets >> depth & 1 == 1;
+                let is_away = edge.high[0] + own_moved_m < low || edge.low[0] + own_moved_m > high;
+                if is_away || !is_met && row.is_inside >> depth & 1 == 0 {
                     continue;
                 }
+                let edge = edge.moved(own_moved_m);
                 found.clear();
-                let (beside, row) = self.beside[side].of_edge(number);
-                if row.meets >> depth & 1 == 1 {
+                if is_met {
                     let (moved_m, is_ahead) = (moves[1 - side], side == 1);
                     let other = Side { edges: other, beside, moved_m, depth, is_ahead };
                     other.pieces(&edge, &mut found);
-                } else if row.is_inside >> depth & 1 == 1 {
+                } else {
                     found.extend(edge.whole());
                 }
                 let mut inside = 0.0;
