@@ -171,6 +171,32 @@ impl Passage {
     }
 }
 
+/// Whether a box of B, given in its own frame, and one of A are apart along an axis of A all along
+/// a motion: whoever passes at a distance mostly is, and nothing else has to be prepared.
+///
+/// Always false if a box or the pose is not finite.
+pub(crate) fn pass_apart(pose: &RelativePose, [a, b]: [&Aabb; 2], sweep: &Sweep) -> bool {
+    let rows = pose.rotation.map(DVec3::from_array);
+    let (of_a, half_a) = centre_and_half(a);
+    let (of_b, half_b) = centre_and_half(b);
+    let (from_m, to_m) = (sweep.from_m(), sweep.to_m());
+    let ahead = sweep.direction().to_array();
+    let (of_a, half_a) = (of_a.to_array(), half_a.to_array());
+    (0..3).any(|k| {
+        let (row, widest) = (rows[k], rows[k].abs());
+        let shift = pose.translation[k];
+        let centre = row.dot(of_b) + shift;
+        let reach = widest.dot(half_b) + half_a[k];
+        // As in `Placement::new`, and for the travels; and what the contact of two triangles is off
+        // by, with some to spare.
+        let size = widest.dot(of_b.abs() + half_b) + shift.abs() + of_a[k].abs() + half_a[k];
+        let size = size + from_m.abs().max(to_m.abs());
+        let margin = 256.0 * f64::EPSILON * size + 4.0 * geometry::sweep::TOLERANCE_M;
+        let [begin, end] = [from_m, to_m].map(|s| centre + ahead[k] * s - of_a[k]);
+        begin.min(end) > reach + margin || begin.max(end) < -(reach + margin)
+    })
+}
+
 /// The sum of three vectors, each times one coordinate: R v with the columns of R, Rᵀ v with its
 /// rows. Three parallel lanes suit a processor better than three dot products.
 #[inline]

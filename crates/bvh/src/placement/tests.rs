@@ -63,6 +63,47 @@ proptest! {
         prop_assert!(!apart(&Placement::new(&pose, &a, &b), &a, &b));
     }
 
+    /// What touches on its way does not pass.
+    #[test]
+    fn triangles_that_meet_on_their_way_do_not_pass(
+        a in triangles(8), b in triangles(8), pose in pose(),
+        angle in 0.0..360.0_f64, rise in -1.0..1.0_f64, from_m in -9.0..0.0, length_m in 0.0..9.0,
+    ) {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let ahead = DVec3::new(cos, sin, if rise.abs() < 0.5 { 0.0 } else { rise }).normalize();
+        let sweep = Sweep::new(ahead, from_m, from_m + length_m).expect("a motion");
+        for of_a in &a {
+            for of_b in &b {
+                let (at_a, at_b) = (geometry::Triangle::stored(of_a), pose.triangle(of_b));
+                if geometry::sweep::first_contact(&at_a, &at_b, &sweep).is_some() {
+                    let boxes = [&Aabb::of(of_a), &Aabb::of(of_b)];
+                    prop_assert!(!pass_apart(&pose, boxes, &sweep));
+                }
+            }
+        }
+    }
+
+    /// A point of B that comes to a point of A at the begin, on the way or at the end.
+    #[test]
+    fn points_that_come_together_do_not_pass(
+        seed in any::<u32>(), yaw in -180.0..180.0, far in 0_i32..7, share in 0_u8..3,
+    ) {
+        let mut random = Random::new(u64::from(seed) << 20);
+        let scale = 10_f32.powi(far);
+        let mut point = || [0; 3].map(|_| scale * (random.unit() - 0.5));
+        let (on_a, on_b, ahead) = (point(), point(), point());
+        let ahead = DVec3::from_array(ahead.map(f64::from)).normalize();
+        let sweep = Sweep::new(ahead, -3.0, 5.0).expect("a motion");
+        let at_m = -3.0 + 4.0 * f64::from(share);
+        let mut pose =
+            RelativePose::between(&Pose::IDENTITY, &Pose::from_degrees(yaw, 7.0, 33.0, [0.0; 3]));
+        let (away, ahead) = (pose.point(on_b), sweep.direction());
+        pose.translation =
+            [0, 1, 2].map(|i| f64::from(on_a[i]) - away[i] - ahead[i] * at_m);
+        let (a, b) = (Aabb { min: on_a, max: on_a }, Aabb { min: on_b, max: on_b });
+        prop_assert!(!pass_apart(&pose, [&a, &b], &sweep));
+    }
+
     /// R need not be orthonormal: a wrong one costs speed, never a pair.
     #[test]
     fn a_rotation_that_is_none_loses_nothing(
@@ -96,6 +137,21 @@ fn boxes_a_hand_apart_are_apart() {
     assert_eq!([apart_at(2.0, 0.0), apart_at(2.000_001, 0.0)], [false, true]);
     // Turned by 45°, the edge of one cube comes to lie 1 + √2 from the middle of the other.
     assert_eq!([apart_at(2.414, 45.0), apart_at(2.415, 45.0)], [false, true]);
+}
+
+#[test]
+fn cubes_pass_beside_each_other_and_before_they_meet() {
+    let cube = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+    let passes = |[x, y]: [f64; 2], to_m: f64| {
+        let there = Pose::from_degrees(0.0, 0.0, 0.0, [x, y, 0.0]);
+        let pose = RelativePose::between(&Pose::IDENTITY, &there);
+        let sweep = Sweep::new(DVec3::NEG_X, 0.0, to_m).expect("a motion");
+        pass_apart(&pose, [&cube, &cube], &sweep)
+    };
+    assert_eq!([passes([9.0, 2.000_001], 20.0), passes([9.0, 2.0], 20.0)], [true, false]);
+    assert_eq!([passes([9.0, 0.0], 6.999), passes([9.0, 0.0], 7.0)], [true, false]);
+    assert!(passes([-9.0, 0.0], 20.0), "it moves away");
+    assert!(!passes([f64::NAN, f64::NAN], 20.0));
 }
 
 #[test]
