@@ -120,8 +120,9 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     for limit in [["--deadline-ms", "50"], ["--until", "certified"]] {
         refused(&[&scenario[..], &limit].concat(), 78, "has no deadline, no early end");
     }
-    let no_meaning = ["--workers", "--instance", "--linger", "--job-log", "--cache-bytes"];
-    for unused in no_meaning.into_iter().chain(["--memory-budget"]) {
+    let of_processes = ["--workers", "--instance", "--linger"];
+    let of_memory = ["--job-log", "--cache-bytes", "--memory-budget"];
+    for unused in [of_processes, of_memory].concat() {
         refused(&[&scenario[..], &[unused, "2"]].concat(), 2, unused);
     }
 }

@@ -51,14 +51,21 @@ impl Bounds {
     }
 
     fn placed(&self, pose: &Pose) -> Self {
-        let [[a, b, _], [c, d, _], _] = pose.rotation;
-        let turned = |[x, y]: [f64; 2]| [a * x + b * y, c * x + d * y];
-        let [x, y] = turned(self.middle);
-        Self {
-            middle: [x + pose.translation[0], y + pose.translation[1]],
-            half_axes: self.half_axes.map(turned),
-        }
+        let half_axes = self.half_axes.map(|axis| turned(pose, axis));
+        Self { middle: placed(pose, self.middle), half_axes }
     }
+}
+
+/// A direction in plan, in the world.
+fn turned(pose: &Pose, [x, y]: [f64; 2]) -> [f64; 2] {
+    let [[a, b, _], [c, d, _], _] = pose.rotation;
+    [a * x + b * y, c * x + d * y]
+}
+
+/// A point in plan, in the world (m).
+fn placed(pose: &Pose, point: [f64; 2]) -> [f64; 2] {
+    let [x, y] = turned(pose, point);
+    [x + pose.translation[0], y + pose.translation[1]]
 }
 
 impl ConvexOutline {
@@ -87,11 +94,7 @@ impl ConvexOutline {
     /// The outline in the world, of a body that stands upright or nearly so.
     #[must_use]
     pub fn placed(&self, pose: &Pose) -> PlacedOutline {
-        let [[a, b, _], [c, d, _], _] = pose.rotation;
-        let place = |[x, y]: &[f64; 2]| {
-            [(a * x + b * y) + pose.translation[0], (c * x + d * y) + pose.translation[1]]
-        };
-        PlacedOutline { corners: self.corners.iter().map(place).collect() }
+        PlacedOutline { corners: self.corners.iter().map(|c| placed(pose, *c)).collect() }
     }
 
     /// Its corners (m), counter-clockwise.
@@ -108,7 +111,8 @@ impl ConvexOutline {
 
     /// How far apart two outlines are at least (m), each at its pose: the greatest gap between the
     /// boxes around them, along a side of either or along the line through their middles. Never
-    /// more than [`PlacedOutline::distance_m`], rounding included; 0 where no gap is found.
+    /// more than [`PlacedOutline::distance_m`] within 1000 km, rounding included; 0 where no gap is
+    /// found.
     #[must_use]
     pub fn apart_at_least_m(&self, other: &Self, [pose, far]: [&Pose; 2]) -> f64 {
         // Far above the rounding within 1000 km, and far below what matters (m).

@@ -93,10 +93,8 @@ struct Pair<'o> {
 impl Pair<'_> {
     /// The distance at two poses (m), if it is less than `limit_m`.
     fn gap_m(&self, [a, b]: [&Pose; 2], limit_m: f64) -> Option<f64> {
-        let apart = [0, 1].map(|axis| b.translation[axis] - a.translation[axis]);
-        let centres = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
         let [of_a, of_b] = self.outlines;
-        if centres - of_a.radius_m() - of_b.radius_m() >= limit_m {
+        if of_a.apart_at_least_m(of_b, [a, b]) >= limit_m {
             return None;
         }
         Some(of_a.placed(a).distance_m(&of_b.placed(b))).filter(|gap| *gap < limit_m)
@@ -138,7 +136,8 @@ impl Predicted {
     }
 }
 
-/// The party that comes nearest to the ego on its way, of those that it does not touch.
+/// The party that comes nearest to the ego on its way, of those that it does not touch; of the same
+/// distance, the first in time.
 ///
 /// Outlines are compared where boxes around them come nearest first, and no longer once these are
 /// farther apart than the nearest outlines.

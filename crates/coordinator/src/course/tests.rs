@@ -436,3 +436,16 @@ fn other_predicted_paths_are_said_and_the_likeliest_is_followed() {
     assert!((alternative.time_s - 1.5).abs() < 0.5 && alternative.is_certain);
     assert!(answer.assumptions.iter().any(|said| said.contains("number 1 was followed")));
 }
+
+#[test]
+fn of_a_body_above_the_way_the_first_time_is_said() {
+    let sedan = body(Shape::Sedan, 900);
+    let above = party("above", "sedan", "place = { position_m = [20, 0, 5] }");
+    let answer = ranked(&format!("{}{above}{}", ego(), go_on(10.0)), &[&sedan, &sedan]);
+    let row = only(&answer);
+    assert!(row.touches_nobody(), "{row:#?}");
+    let nearest = row.nearest.as_ref().expect("one is near");
+    assert_eq!(nearest.gap_m, 0.0);
+    // It is right below after 2 s; outlines of some 4.6 m overlap 0.46 s before.
+    assert!(nearest.time_s > 1.4 && nearest.time_s < 1.7, "{nearest:?}");
+}

@@ -90,6 +90,26 @@ fn winds(ring: &Ring, p: [f64; 2]) -> bool {
     is_in
 }
 
+/// Whether two edges are, within rounding.
+fn are_parallel(d: [f64; 2], e: [f64; 2]) -> bool {
+    let (across, squares) = (cross(d, e), dot(d, d) * dot(e, e));
+    // Most are far from it: then no root decides.
+    let is_crossing = across * across > 1e-20 * squares || across.abs() > 1e-12 * squares.sqrt();
+    !is_crossing
+}
+
+/// Where an edge `d` is crossed by an edge `e` that begins at `w` from its begin: as a share of it,
+/// if that lies within.
+fn crossing(d: [f64; 2], e: [f64; 2], w: [f64; 2]) -> Option<f64> {
+    let (across, along) = (cross(d, e), cross(w, e));
+    // The quotient would be 0 or less, or 1 or more: most edges end before.
+    if along.abs() >= across.abs() || (along > 0.0) != (across > 0.0) {
+        return None;
+    }
+    let (s, t) = (along / across, cross(w, d) / across);
+    ((-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0).then_some(s)
+}
+
 /// An edge that may take part in an overlap.
 #[derive(Clone, Copy)]
 struct Edge {
@@ -182,22 +202,8 @@ impl Side<'_> {
             }
             let [a, b] = other.ends.map(|end| [end[0] + self.moved_m, end[1]]);
             let e = sub(b, a);
-            let across = cross(d, e);
-            let squares = square * dot(e, e);
-            // Most are far from parallel: then no root decides it.
-            let is_crossing =
-                across * across > 1e-20 * squares || across.abs() > 1e-12 * squares.sqrt();
-            if is_crossing {
-                let w = sub(a, p);
-                let along = cross(w, e);
-                // The quotient would be 0 or less, or 1 or more: most edges end before.
-                if along.abs() >= across.abs() || (along > 0.0) != (across > 0.0) {
-                    continue;
-                }
-                let (s, t) = (along / across, cross(w, d) / across);
-                if (-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0 {
-                    cuts.push(s);
-                }
+            if !are_parallel(d, e) {
+                cuts.extend(crossing(d, e, sub(a, p)));
             } else if square > 0.0 {
                 // Parallel edges may coincide in part.
                 for end in [a, b] {

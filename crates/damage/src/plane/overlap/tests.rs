@@ -57,3 +57,30 @@ fn what_is_not_looked_at_changes_no_bit() {
     }
     assert!(overlaps > 2_000 && whole > 500, "{overlaps} overlaps, {whole} edges inside");
 }
+
+/// What is left out before a root or a quotient is what these would leave out.
+#[test]
+fn crossings_are_those_of_the_plain_formulas() {
+    let mut rng = Rng::new(5);
+    let (mut crossed, mut parallel) = (0, 0);
+    for round in 0..200_000 {
+        let is_on_grid = round % 2 == 0;
+        let mut vector = || {
+            let [x, y] = [0, 1].map(|_| rng.between(-1.0, 1.0));
+            [x, y].map(|x| if is_on_grid { (x * 3.0).round() / 3.0 } else { x })
+        };
+        let (d, mut e, w) = (vector(), vector(), vector());
+        if round % 5 == 0 {
+            e = [2.0 * d[0], 2.0 * d[1] + 10.0_f64.powi(-8 - round % 10)];
+        }
+        let across = cross(d, e);
+        let is_crossing = across.abs() > 1e-12 * (dot(d, d) * dot(e, e)).sqrt();
+        assert_eq!(are_parallel(d, e), !is_crossing, "{d:?} {e:?}");
+        let (s, t) = (cross(w, e) / across, cross(w, d) / across);
+        let is_within = (-1e-9..=1.0 + 1e-9).contains(&t) && s > 0.0 && s < 1.0;
+        assert_eq!(crossing(d, e, w), is_within.then_some(s), "{d:?} {e:?} {w:?}");
+        crossed += u32::from(is_within);
+        parallel += u32::from(!is_crossing);
+    }
+    assert!(crossed > 10_000 && parallel > 10_000, "{crossed} {parallel}");
+}
