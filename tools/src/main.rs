@@ -17,10 +17,10 @@ mod inputs;
 mod machine;
 mod mutants;
 mod oracle;
+mod packages;
 mod safety;
 mod scenarios;
 mod step;
-mod unpacked;
 mod wheel;
 
 use anyhow::Result;

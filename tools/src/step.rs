@@ -9,7 +9,7 @@ mod tests;
 use anyhow::{Context as _, Result};
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader, Write};
-use std::process::{Command, ExitCode, ExitStatus, Stdio};
+use std::process::{Command, ExitCode, ExitStatus, Output, Stdio};
 use std::time::Instant;
 
 /// What to run.
@@ -28,6 +28,12 @@ pub(crate) struct Step {
 pub(crate) struct Outcome(ExitStatus, Vec<u8>);
 
 impl Outcome {
+    /// The outcome of a command whose output was kept.
+    pub(crate) fn of(Output { status, mut stdout, stderr }: Output) -> Self {
+        stdout.extend(stderr);
+        Self(status, stdout)
+    }
+
     /// The exit code to pass on; `None` if all was well.
     pub(crate) fn failure(&self) -> Option<ExitCode> {
         // A signal has no exit code.
@@ -48,11 +54,7 @@ impl Step {
     }
 
     /// Like [`Self::run`], with what `adapt` adds to the command, which is not printed.
-    pub(crate) fn run_with(
-        &self,
-        adapt: impl FnOnce(&mut Command),
-        out: &mut impl Write,
-    ) -> Result<Outcome> {
+    fn run_with(&self, adapt: impl FnOnce(&mut Command), out: &mut impl Write) -> Result<Outcome> {
         let mut command = cargo();
         command.args(self.args).envs(self.env.iter().copied());
         adapt(&mut command);
