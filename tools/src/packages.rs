@@ -5,9 +5,9 @@
 //! ```
 //!
 //! `cargo package` would build all of them itself, with everything that they depend on, and take
-//! what it built of the same version before for unchanged. Here what they depend on is known from
-//! the lints, sources are those just packed, and no code is generated: what is missing in an archive
-//! is missed by the compiler's front end.
+//! what it built of the same version before for unchanged. Here most of what they depend on is
+//! known from the lints, sources are those just packed, and no code is generated: what is missing
+//! in an archive is missed by the compiler's front end.
 
 use crate::built::Workspace;
 use crate::step::{Outcome, Step, cargo, now};
