@@ -367,6 +367,15 @@ impl Motion {
             pair[0].position_m != pair[1].position_m || turn > SAME_RAD
         })
     }
+
+    /// Whether the body stands from when the states that were given end, before the horizon.
+    #[must_use]
+    pub fn stands_at_end(&self) -> bool {
+        // From there to the horizon it is one piece.
+        let stands =
+            matches!(self.path.states(), [.., last, end] if last.position_m == end.position_m);
+        self.ends_s.is_some() && stands
+    }
 }
 
 impl Occupancy {

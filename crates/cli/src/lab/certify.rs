@@ -15,7 +15,7 @@ use trolley::{Failure, FailureKind};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley certify share --requests 24
-  trolley certify bounds --stops 100000
+  trolley certify bounds --stops 140000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
   trolley certify deadline --members 32 --candidates 16 --others 12 --deadline-ms 100

@@ -328,13 +328,16 @@ fn assumptions(scenery: &Scenery<'_>, people: &People, is_drawn: bool) -> Vec<St
             party.predictions[followed].probability
         )
     });
-    let ends = scenery.others().filter_map(|number| {
-        let ends_s = scenery.likeliest(number).1.ends_s?;
-        Some(format!("\"{}\" ({ends_s:.2} s)", scenario.parties[number].name))
-    });
-    let ends: Vec<String> = ends.collect();
-    let ends = (!ends.is_empty()).then(|| {
-        format!("paths end before the horizon and go straight on from there: {}", ends.join(", "))
+    let ends = [(false, "go straight on from there"), (true, "stay there")];
+    let ends = ends.into_iter().filter_map(|(stands, then)| {
+        let of = scenery.others().filter_map(|number| {
+            let motion = scenery.likeliest(number).1;
+            let ends_s = motion.ends_s.filter(|_| motion.stands_at_end() == stands)?;
+            Some(format!("\"{}\" ({ends_s:.2} s)", scenario.parties[number].name))
+        });
+        let of: Vec<String> = of.collect();
+        let of = (!of.is_empty()).then(|| of.join(", "))?;
+        Some(format!("paths end before the horizon, and these {then}: {of}"))
     });
     unknown.chain(people.assumptions(scenario)).chain(several).chain(ends).collect()
 }

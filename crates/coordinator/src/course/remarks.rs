@@ -5,9 +5,13 @@ use super::way::{Begin, Scenery};
 use damage::ContactPatch;
 use damage::course::{RUN_OUT_LONG_M, SAME_CRASH_S, Severity};
 use damage::plane::{PlaneOrigin, Ride};
+use scenario::Motion;
 
-fn goes_on(name: &str, ends_s: f64) -> String {
-    format!("the path of \"{name}\" ends after {ends_s:.2} s: it goes straight on from there")
+/// What somebody does whose path ends before the horizon.
+fn after_path(name: &str, motion: &Motion) -> Option<String> {
+    let ends_s = motion.ends_s?;
+    let then = if motion.stands_at_end() { "stays there" } else { "goes straight on from there" };
+    Some(format!("the path of \"{name}\" ends after {ends_s:.2} s: it {then}"))
 }
 
 /// What else has to be known of a course, in sentences.
@@ -16,10 +20,9 @@ pub(super) fn remarks(scenery: &Scenery<'_>, k: usize, course: &Course<'_>) -> V
     let candidate = &scenario.candidates[k];
     let name = |party: usize| &scenario.parties[party].name;
     let mut all = Vec::new();
-    all.extend(candidate.ego.ends_s.map(|ends_s| goes_on("ego", ends_s)));
+    all.extend(after_path("ego", &candidate.ego));
     for reaction in &candidate.reactions {
-        let ends_s = reaction.motion.ends_s;
-        all.extend(ends_s.map(|ends_s| goes_on(name(reaction.party.0), ends_s)));
+        all.extend(after_path(name(reaction.party.0), &reaction.motion));
     }
     for party in &course.way.passed_at_start {
         all.push(format!(

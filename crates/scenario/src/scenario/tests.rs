@@ -239,6 +239,7 @@ fn the_full_scenario_reads_as_it_is_written() {
     let [from_file, inline] = &van.predictions[..] else { panic!() };
     assert_eq!((from_file.probability, inline.probability), (0.25, 0.75));
     assert_eq!((from_file.motion.ends_s, inline.motion.ends_s), (None, Some(1.5)));
+    assert!(!from_file.motion.stands_at_end() && !inline.motion.stands_at_end());
     assert_eq!(from_file.motion.path.pose_at(1.0).translation, [25.0, 3.0, 0.125]);
     // Cut at 0, then on with the last state's velocity, rising as in the last piece.
     assert_eq!(inline.motion.path.pose_at(0.0).translation, [35.0, 3.0, 0.125]);
