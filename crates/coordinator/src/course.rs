@@ -32,7 +32,7 @@ use damage::course::Severity;
 use damage::{CourseHarm, Criteria, Unevaluable};
 use runtime::clock;
 use scenario::{Members, Name, Scenario, Worlds};
-use std::rc::Rc;
+use std::sync::Arc;
 
 mod assembly;
 mod assessed_contact;
@@ -186,7 +186,7 @@ struct Stuck {
 }
 
 impl<'s> Course<'s> {
-    fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
+    fn new(scenery: Scenery<'s>, member: Arc<Member<'s>>, candidate: usize) -> Self {
         let way = Way::new(scenery, member, candidate);
         let contacts = Vec::new();
         Self { candidate, way, contacts, stuck: None, is_spared: false, harm: None, steps: 0 }

@@ -2,14 +2,14 @@
 
 use runtime::{affinity, clock};
 use smallvec::SmallVec;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 /// Stack of a helper (bytes): all of it is resident where memory is locked.
 pub const HELPER_STACK_BYTES: usize = 256 << 10;
 
-/// Cores whose workers wait: one thread each may help while none of them is given work.
+/// Cores whose workers wait: one thread each may help while they are given no work.
 ///
 /// Helpers may run on all of these, and where the caller may: who finds a core taken by something
 /// else goes to another one, so nobody waits for a core.
@@ -26,12 +26,28 @@ pub(crate) struct IdleCores {
 struct VirtualHelpers {
     /// From the start of one to its first work (ns).
     thread_ns: u64,
-    /// What all of them have spared (ns).
-    spared_ns: Arc<AtomicU64>,
+    helped: Arc<Mutex<VirtualHelp>>,
+}
+
+/// What helpers on virtual cores have done.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct VirtualHelp {
+    /// What the caller was spared (ns).
+    pub(crate) spared_ns: u64,
+    /// What each of them has done (ns).
+    pub(crate) done_ns: SmallVec<[u64; 8]>,
+}
+
+impl VirtualHelp {
+    fn add(&mut self, other: &Self) {
+        self.spared_ns += other.spared_ns;
+        self.done_ns.resize(self.done_ns.len().max(other.done_ns.len()), 0);
+        self.done_ns.iter_mut().zip(&other.done_ns).for_each(|(sum, done)| *sum += done);
+    }
 }
 
 impl VirtualHelpers {
-    /// Does all of it here, and adds what it would have spared to share it between so many threads.
+    /// Does all of it here, and adds what so many threads would have done of it.
     fn map<T>(&self, threads: usize, count: usize, mut make: impl FnMut(usize) -> T) -> Vec<T> {
         let mut took_ns = Vec::with_capacity(count);
         let timed = |number| {
@@ -41,13 +57,13 @@ impl VirtualHelpers {
             made
         };
         let made = (0..count).map(timed).collect();
-        let spared_ns = self.spared_ns(threads, &took_ns);
-        self.spared_ns.fetch_add(spared_ns, Ordering::Relaxed);
+        let help = self.help(threads, &took_ns);
+        self.helped.lock().unwrap_or_else(PoisonError::into_inner).add(&help);
         made
     }
 
-    /// What it spares (ns) that whoever is free first takes the next of these pieces.
-    fn spared_ns(&self, threads: usize, took_ns: &[u64]) -> u64 {
+    /// What helpers do where whoever is free first takes the next of these pieces.
+    fn help(&self, threads: usize, took_ns: &[u64]) -> VirtualHelp {
         // When each is free: the caller begins at once, and waits for all helpers.
         let mut free_ns = vec![self.thread_ns; threads];
         free_ns[0] = 0;
@@ -56,23 +72,36 @@ impl VirtualHelpers {
                 *first = first.saturating_add(*took_ns);
             }
         }
-        let shared_ns = free_ns.into_iter().max().unwrap_or(0);
-        took_ns.iter().sum::<u64>().saturating_sub(shared_ns)
+        let shared_ns = free_ns.iter().copied().max().unwrap_or(0);
+        VirtualHelp {
+            spared_ns: took_ns.iter().sum::<u64>().saturating_sub(shared_ns),
+            done_ns: free_ns[1..].iter().map(|free_ns| free_ns - self.thread_ns).collect(),
+        }
     }
 }
 
 impl IdleCores {
-    /// `None`: a worker that the system puts wherever it likes.
-    pub(crate) fn of(workers: &[Option<usize>]) -> Self {
+    /// The cores of these workers, and so many helpers at most. `None`: a worker that the system
+    /// puts wherever it likes.
+    pub(crate) fn of(workers: &[Option<usize>], most: usize) -> Self {
         let cores = workers.iter().flatten().copied().collect();
-        Self { helpers: workers.len(), cores, virtual_ones: None }
+        Self { helpers: workers.len().min(most), cores, virtual_ones: None }
     }
 
-    /// So many cores that there are not, the caller's among them. What they would have spared (ns)
-    /// is added to `spared_ns`.
-    pub(crate) fn virtual_ones(cores: usize, thread_ns: u64, spared_ns: Arc<AtomicU64>) -> Self {
-        let virtual_ones = Some(VirtualHelpers { thread_ns, spared_ns });
+    /// So many cores that there are not, the caller's among them. What is done on them is added to
+    /// `helped`.
+    pub(crate) fn virtual_ones(
+        cores: usize,
+        thread_ns: u64,
+        helped: Arc<Mutex<VirtualHelp>>,
+    ) -> Self {
+        let virtual_ones = Some(VirtualHelpers { thread_ns, helped });
         Self { helpers: cores.saturating_sub(1), cores: SmallVec::new(), virtual_ones }
+    }
+
+    /// All but so many of these, whose workers are at work.
+    pub(crate) fn without(&self, busy: usize) -> Self {
+        Self { helpers: self.helpers.saturating_sub(busy), ..self.clone() }
     }
 
     /// How many threads share the work: the caller's, and one for each of these cores.

@@ -21,7 +21,7 @@ pub struct Prospect {
 }
 
 /// A rule that chooses the candidate whose job goes out next.
-pub trait Strategy: Debug {
+pub trait Strategy: Debug + Sync {
     /// The candidate whose job goes out next, among those that have work; `None`: the one asked for
     /// first.
     fn choose(&mut self, prospects: &[Prospect], incumbent: usize) -> Option<usize>;

@@ -8,13 +8,14 @@
 //! All work is done in this process, one piece after the other, and every piece takes as long on
 //! its virtual core as it took here; what messages cost is given. The order of events is that of
 //! the virtual clocks, so what a look shows is learnt, and asks for the next one, when its result
-//! would arrive. The answer does not depend on any of this.
+//! would arrive. A worker pauses while a thread that helps the coordinator is on its core. The
+//! answer does not depend on any of this.
 //!
 //! Looks and jobs go to whoever has the fewest: no sections are counted. Results of surveys are
 //! folded as soon as they are found, though their time counts when they arrive. Caches, memory
 //! bandwidth and other programs are as they are here, where one piece runs at a time.
 
-use crate::idle_cores::IdleCores;
+use crate::idle_cores::{IdleCores, VirtualHelp};
 use crate::in_process::InProcessExecutor;
 use crate::looks::{LookEffort, LookSource, Seen};
 use crate::work::TaskSource;
@@ -22,8 +23,7 @@ use core::ops::ControlFlow;
 use dispatch::{Closed, Job};
 use runtime::clock;
 use std::collections::VecDeque;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What messages cost (ns).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,8 +79,8 @@ pub struct VirtualCores {
     counted_ns: u64,
     time: VirtualTime,
     workers: Vec<VirtualWorker>,
-    /// What helpers have spared since then.
-    spared_ns: Arc<AtomicU64>,
+    /// What helpers have done since then.
+    helped: Arc<Mutex<VirtualHelp>>,
 }
 
 /// A worker: it does what it has in order.
@@ -103,7 +103,7 @@ impl VirtualCores {
             counted_ns: 0,
             time: VirtualTime::default(),
             workers: Vec::new(),
-            spared_ns: Arc::default(),
+            helped: Arc::default(),
         };
         // What begins no request, as a search for every policy, has workers all the same.
         cores.begin(clock::now_ns());
@@ -115,7 +115,7 @@ impl VirtualCores {
         let workers = self.setup.workers.max(1);
         self.now_ns = 0;
         self.counted_ns = accepted_ns;
-        self.spared_ns.store(0, Ordering::Relaxed);
+        self.take_help();
         self.workers = vec![VirtualWorker::default(); workers];
         self.time = VirtualTime { busy_ns: vec![0; workers], ..VirtualTime::default() };
     }
@@ -135,7 +135,11 @@ impl VirtualCores {
     /// The cores that share what the coordinator does while workers wait.
     pub(crate) fn idle_cores(&self) -> IdleCores {
         let cores = self.workers.len() + usize::from(!self.setup.is_shared);
-        IdleCores::virtual_ones(cores, self.setup.costs.thread_ns, Arc::clone(&self.spared_ns))
+        IdleCores::virtual_ones(cores, self.setup.costs.thread_ns, Arc::clone(&self.helped))
+    }
+
+    fn take_help(&self) -> VirtualHelp {
+        core::mem::take(&mut *self.helped.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Looks, as workers would.
@@ -251,7 +255,17 @@ impl VirtualCores {
         let here_ns = now_ns.saturating_sub(self.counted_ns);
         self.counted_ns = now_ns;
         self.time.alone_ns += here_ns;
-        self.work(here_ns.saturating_sub(self.spared_ns.swap(0, Ordering::Relaxed)));
+        let VirtualHelp { spared_ns, done_ns } = self.take_help();
+        let begun_ns = self.now_ns;
+        self.work(here_ns.saturating_sub(spared_ns));
+        // The first worker has the coordinator's core, if they share one. Of the others those help
+        // first that have nothing to do.
+        let mut idle: Vec<&mut VirtualWorker> =
+            self.workers.iter_mut().skip(usize::from(self.setup.is_shared)).collect();
+        idle.sort_by_key(|worker| worker.free_ns);
+        for (worker, done_ns) in idle.into_iter().zip(done_ns) {
+            worker.pause(begun_ns, done_ns);
+        }
     }
 
     /// The coordinator works.
@@ -259,11 +273,19 @@ impl VirtualCores {
         let begun_ns = self.now_ns;
         self.now_ns += ns;
         self.time.coordinator_ns += ns;
-        let (true, Some(worker)) = (self.setup.is_shared, self.workers.first_mut()) else { return };
-        if worker.free_ns > begun_ns {
-            worker.free_ns += ns;
+        if let (true, Some(worker)) = (self.setup.is_shared, self.workers.first_mut()) {
+            worker.pause(begun_ns, ns);
         }
-        for sent_ns in worker.sent_ns.iter_mut().filter(|sent_ns| **sent_ns > begun_ns) {
+    }
+}
+
+impl VirtualWorker {
+    /// Does nothing for so long, from a time on, if it has anything to do then.
+    fn pause(&mut self, from_ns: u64, ns: u64) {
+        if self.free_ns > from_ns {
+            self.free_ns += ns;
+        }
+        for sent_ns in self.sent_ns.iter_mut().filter(|sent_ns| **sent_ns > from_ns) {
             *sent_ns += ns;
         }
     }

@@ -91,8 +91,8 @@ pub struct WorkerPool {
     restarts: Restarts,
     /// Incidents since the start of the request.
     incidents: Vec<Incident>,
-    /// No core is free of workers: spinning would take a worker's time.
-    shares_core: bool,
+    /// How many cores this process may run on, at least 1.
+    cores: usize,
     /// Queue per worker; `None` if nothing is copied.
     outgoing: Option<Vec<Outgoing>>,
     rejected: u64,
@@ -156,7 +156,7 @@ impl WorkerPool {
             options: options.clone(),
             restarts: Restarts::new(options.intensity),
             incidents: Vec::new(),
-            shares_core: runtime::affinity::allowed_cores().len() <= workers,
+            cores: runtime::affinity::allowed_cores().len().max(1),
             outgoing: options.copies.then(|| (0..workers).map(|_| Outgoing::default()).collect()),
             rejected: 0,
             duty: Duty::default(),
@@ -185,9 +185,14 @@ impl WorkerPool {
         self.workers.iter().map(|worker| worker.report.pid).collect()
     }
 
-    /// The cores of the workers: idle while none of them is given work.
+    /// The cores of the workers: idle while none of them is given work. One is this process's own.
     pub(crate) fn idle_cores(&self) -> IdleCores {
-        IdleCores::of(&self.options.cores)
+        IdleCores::of(&self.options.cores, self.cores - 1)
+    }
+
+    /// Whether no core is free of workers: spinning would take a worker's time.
+    fn shares_core(&self) -> bool {
+        self.cores <= self.workers.len()
     }
 
     /// Whether sections are copied into the memory of each worker.
@@ -290,7 +295,7 @@ impl WorkerPool {
                 backoff.reset();
                 // There may be further jobs now.
                 progress = self.step(Event::Poll, work, effects);
-            } else if self.shares_core || backoff.is_completed() {
+            } else if self.shares_core() || backoff.is_completed() {
                 let due_ns = [due_ns, work.deadline_ns()].into_iter().flatten().min();
                 let nap_ns = if waits { BACKLOG_NAP_NS } else { NAP_NS };
                 let due_ns = due_ns.map_or(nap_ns, |due_ns| due_ns.saturating_sub(now));

@@ -9,7 +9,7 @@ use crate::workspace::BodySet;
 use body::Outlines;
 use bvh::support::{Extremes, support_from};
 use damage::approach::STANDSTILL_M_S;
-use damage::course::{PASSED_M, Severity};
+use damage::course::Severity;
 use damage::{Basis, Criteria, Evidence, assess};
 use geometry::DVec3;
 
@@ -29,15 +29,25 @@ pub(super) struct Assembly<'a, 'r> {
     pub(super) has_limit: bool,
 }
 
+/// How a course goes on at a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Then {
+    /// The contact has to be surveyed.
+    Survey,
+    /// The bodies part.
+    Part,
+    /// They were in contact before, and it stays as light as it was: no survey changes that.
+    Pass,
+}
+
 impl Assembly<'_, '_> {
-    /// The next contact of course `k` that has to be surveyed; `None`, too, if that needs a look,
-    /// or `is_over` says that there is no time.
-    pub(super) fn next(
+    /// What comes about where course `k` meets somebody next, and how it goes on.
+    pub(super) fn contact(
         &self,
         k: usize,
-        course: &mut Course<'_>,
-        mut is_over: impl FnMut() -> bool,
-    ) -> Result<Option<Found>, RequestError> {
+        course: &Course<'_>,
+        meeting: &NextContact,
+    ) -> Result<(Candidate, Then), RequestError> {
         let Self { scenery, people, stage, extremes, has_limit, .. } = self;
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
@@ -45,36 +55,20 @@ impl Assembly<'_, '_> {
             support_from(extremes, view, direction, near)
         };
         let is_member = self.is_member(k);
-        if course.stuck.is_some() {
-            return Ok(None);
+        let contact = contact(scenery, people, course, meeting, &support_of, is_member)?;
+        let approach = &contact.approach;
+        let is_slow = approach.closing_m_s < STANDSTILL_M_S;
+        let parts = !contact.is_stuck && (is_slow || !approach.is_closing());
+        let then = match meeting.begin {
+            Begin::AtStart if parts => Then::Part,
+            Begin::Again if self.stays_light(&contact)? => Then::Pass,
+            Begin::AtStart | Begin::Again | Begin::Touched => Then::Survey,
+        };
+        // After a deadline nothing may be left to do but to assess what was found.
+        if then == Then::Survey && *has_limit {
+            self.lay_plane(&contact);
         }
-        while let Some(meeting) = course.way.next() {
-            // How it comes about, and its plane, take a millisecond where bodies are large.
-            if is_over() {
-                course.way.give_up();
-                return Ok(None);
-            }
-            let contact = contact(scenery, people, course, &meeting, &support_of, is_member)?;
-            let approach = &contact.approach;
-            let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
-            let parts =
-                !contact.is_stuck && (closing_m_s < STANDSTILL_M_S || !approach.is_closing());
-            match meeting.begin {
-                Begin::AtStart if parts => course.way.let_part(&meeting, closing_m_s, extent_m),
-                // It was assessed before, and stays as light as it was: no survey changes that.
-                Begin::Again if self.stays_light(&contact)? => {
-                    course.way.pass(&meeting, closing_m_s, extent_m);
-                }
-                Begin::AtStart | Begin::Again | Begin::Touched => {
-                    // After a deadline nothing may be left to do but to assess what was found.
-                    if *has_limit {
-                        self.lay_plane(&contact);
-                    }
-                    return Ok(Some((meeting, contact)));
-                }
-            }
-        }
-        Ok(None)
+        Ok((contact, then))
     }
 
     /// Whether a course is followed in a member, not in the scene as stated.

@@ -12,8 +12,7 @@ use executor::encounter::{Encounters, Nested};
 use geometry::motion::{MotionPath, PathError};
 use scenario::{Candidate, MemberDraw, MemberSequence, Motion, PartyDraw};
 use std::borrow::Cow;
-use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 /// Points that are looked at, at most.
 const POINTS_MAX: u32 = 1024;
@@ -29,7 +28,7 @@ pub(crate) struct Member<'s> {
     /// What is drawn of a run-out: see [`RunOut::drawn`]; `None`: as usual.
     run_out: Option<(f64, f64)>,
     /// Per party: how it lies to the ego at the start, once that was asked.
-    nested: Vec<Cell<Option<Nested>>>,
+    nested: Vec<OnceLock<Nested>>,
 }
 
 impl<'s> Member<'s> {
@@ -48,7 +47,7 @@ impl<'s> Member<'s> {
             candidates: scenery.scenario.candidates.iter().map(candidate).collect(),
             parties: (0..scenery.scenario.parties.len()).map(likeliest).collect(),
             run_out: None,
-            nested: vec![Cell::new(None); scenery.scenario.parties.len()],
+            nested: vec![OnceLock::new(); scenery.scenario.parties.len()],
         }
     }
 
@@ -81,7 +80,7 @@ impl<'s> Member<'s> {
             candidates: scenario.candidates.iter().map(candidate).collect::<Result<_, _>>()?,
             parties: (0..scenario.parties.len()).map(party).collect::<Result<_, _>>()?,
             run_out: Some((draw.run_out_turn_deg, draw.run_out_share)),
-            nested: vec![Cell::new(None); scenario.parties.len()],
+            nested: vec![OnceLock::new(); scenario.parties.len()],
         })
     }
 
@@ -116,15 +115,12 @@ impl<'s> Member<'s> {
         party: usize,
         encounters: &mut Encounters,
     ) -> Nested {
-        if let Some(known) = self.nested[party].get() {
-            return known;
-        }
-        // All motions of a party begin at one pose, so the first candidate stands for all.
-        let first = &scenery.scenario.candidates[0];
-        let ways = scenery.ways(party, [self.ego(0), self.other((0, first), party)]);
-        let nested = encounters.nested(&ways, scenery.shells_of(party), 0.0);
-        self.nested[party].set(Some(nested));
-        nested
+        *self.nested[party].get_or_init(|| {
+            // All motions of a party begin at one pose, so the first candidate stands for all.
+            let first = &scenery.scenario.candidates[0];
+            let ways = scenery.ways(party, [self.ego(0), self.other((0, first), party)]);
+            encounters.nested(&ways, scenery.shells_of(party), 0.0)
+        })
     }
 
     /// The run-out of the ego in this member.
@@ -152,7 +148,7 @@ pub(super) struct Members<'s> {
     /// Made when the first is drawn.
     sequence: Option<MemberSequence<'s>>,
     /// The scene as stated, and the members so far.
-    pub(super) list: Vec<Rc<Member<'s>>>,
+    pub(super) list: Vec<Arc<Member<'s>>>,
     /// The next point of the sequence.
     next: u32,
     /// How many points were replaced.
@@ -163,7 +159,7 @@ pub(super) struct Members<'s> {
 
 impl<'s> Members<'s> {
     pub(super) fn nominal(scenery: Scenery<'s>) -> Self {
-        let list = vec![Rc::new(Member::nominal(&scenery))];
+        let list = vec![Arc::new(Member::nominal(&scenery))];
         Self { scenery, sequence: None, list, next: 0, replaced: 0, overlap: Vec::new() }
     }
 
@@ -178,7 +174,7 @@ impl<'s> Members<'s> {
         encounters: &mut Encounters,
     ) -> Result<(), RequestError> {
         if self.next == 0 && count > 0 {
-            let nominal = Rc::clone(&self.list[0]);
+            let nominal = Arc::clone(&self.list[0]);
             self.overlap = self.overlapping(&nominal, encounters);
         }
         let mut last = None;
@@ -196,7 +192,7 @@ impl<'s> Members<'s> {
                 .map_err(|source| RequestError::Member { source })?;
             let overlap = self.overlapping(&member, encounters);
             match overlap.into_iter().find(|party| !self.overlap.contains(party)) {
-                None => self.list.push(Rc::new(member)),
+                None => self.list.push(Arc::new(member)),
                 Some(party) => {
                     self.replaced += 1;
                     last = Some(party);

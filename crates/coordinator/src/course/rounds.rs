@@ -1,7 +1,7 @@
 //! The work on a request: contacts are searched for in all candidates and members, and surveyed in
 //! rounds.
 
-use super::assessed_contact::{assessed, settle};
+use super::assessed_contact::{AssessedContact, assessed, settle};
 use super::contact_facts::ContactFacts;
 use super::history::Surveyor;
 use super::member::Members;
@@ -11,6 +11,7 @@ use super::stop::{MayBeClose, Stop};
 use super::way::{NextContact, Scenery};
 use super::{Course, CourseEffort, CourseRequest, harm_of};
 use crate::explain::contact_chain;
+use crate::idle_cores::IdleCores;
 use crate::request::{Request, RequestError};
 use crate::request_limits::Until;
 use crate::work::{SurveyBuffers, SurveyRun};
@@ -21,7 +22,11 @@ use damage::{CandidateHarm, CourseHarm, expected};
 use executor::encounter::Encounters;
 use runtime::clock;
 use serde::Serialize;
-use std::rc::Rc;
+use std::sync::Arc;
+
+/// Contacts of a round below which others do not help to assess them: threads take as long to
+/// start.
+const SHARED_MIN: usize = 16;
 
 /// What the search for contacts has taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -115,7 +120,7 @@ impl<'r> Rounds<'r> {
         let people = People::of(scenario, &|party| scenery.body(party));
         let members = Members::nominal(scenery);
         let nominal = &members.list[0];
-        let begin = |candidate| Course::new(scenery, Rc::clone(nominal), candidate);
+        let begin = |candidate| Course::new(scenery, Arc::clone(nominal), candidate);
         let courses = (0..scenario.candidates.len()).map(begin).collect();
         Self {
             stage,
@@ -145,7 +150,7 @@ impl<'r> Rounds<'r> {
         self.members.draw(count as usize, &mut self.encounters)?;
         let candidates = self.scenery.scenario.candidates.len();
         for member in &self.members.list[known..] {
-            let begin = |k| Course::new(self.scenery, Rc::clone(member), k);
+            let begin = |k| Course::new(self.scenery, Arc::clone(member), k);
             self.courses.extend((0..candidates).map(begin));
         }
         Ok(())
@@ -224,7 +229,8 @@ impl<'r> Rounds<'r> {
         self.is_decided(&found)?;
         for (number, (k, meeting, harm)) in found.into_iter().enumerate() {
             if self.stop.may_spare(self.courses[k].candidate) {
-                self.settle(k, &work, number, meeting, harm);
+                let assessed = self.keeping().contact((k, meeting), (&work, number), harm);
+                settle(&mut self.courses[k], &work.request().candidates[number], assessed);
             }
         }
         for course in &mut self.courses {
@@ -262,44 +268,73 @@ impl<'r> Rounds<'r> {
         effort.surveys_ns += clock::now_ns() - begun_ns;
         effort.rounds += 1;
         effort.surveys.add(&work.effort());
-        let harms = work.harms()?;
-        for (number, ((k, meeting), harm)) in meetings.iter().zip(harms).enumerate() {
-            self.settle(*k, &work, number, *meeting, harm);
+        let cores = surveyor.idle_cores();
+        let cores = if meetings.len() >= SHARED_MIN { cores } else { IdleCores::default() };
+        let (keeping, known) = (self.keeping(), &work);
+        let assessed = cores.map(&mut (), meetings.len(), |(), number| {
+            let (k, meeting) = meetings[number];
+            let harm = known.harm(number)?;
+            Ok::<_, RequestError>(keeping.contact((k, meeting), (known, number), harm))
+        });
+        for (number, ((k, _), assessed)) in meetings.iter().zip(assessed).enumerate() {
+            settle(&mut self.courses[*k], &contacts.candidates[number], assessed?);
         }
         self.buffers = work.into_buffers();
         Ok(())
     }
 
-    /// Lets a candidate go on after its contact, number `number` of the work, or end there.
-    fn settle(
-        &mut self,
-        k: usize,
-        work: &SurveyRun<'_>,
-        number: usize,
-        meeting: NextContact,
+    /// What is kept of contacts.
+    fn keeping(&self) -> Keeping {
+        Keeping {
+            stated: self.scenery.scenario.candidates.len(),
+            ego: self.scenery.scenario.ego.0,
+            facts: self.keeps_facts,
+            scene: self.request.scene,
+            chain: self.request.explanation,
+        }
+    }
+}
+
+/// What is kept of contacts beside their harm. Pictures and chains are of the scene as stated,
+/// worlds of members; other criteria judge both.
+#[derive(Clone, Copy, Debug)]
+struct Keeping {
+    /// How many courses are of the scene as stated: the first ones.
+    stated: usize,
+    /// The number of the ego.
+    ego: usize,
+    facts: bool,
+    scene: bool,
+    chain: bool,
+}
+
+impl Keeping {
+    /// A contact of course `k`, number `number` of the work, with its harm.
+    fn contact(
+        &self,
+        (k, meeting): (usize, NextContact),
+        (work, number): (&SurveyRun<'_>, usize),
         harm: CandidateHarm,
-    ) {
+    ) -> AssessedContact {
         let contacts = work.request();
         let candidate = &contacts.candidates[number];
         let mut assessed = assessed(contacts, work, number, meeting, harm);
         let state = &work.candidate_states()[number];
-        // Pictures and chains are of the scene as stated, worlds of members; other criteria judge
-        // both.
-        let is_stated = k < self.scenery.scenario.candidates.len();
-        if self.keeps_facts || !is_stated {
-            let parties = [self.scenery.scenario.ego.0, meeting.party];
-            assessed.facts = Some(Box::new(ContactFacts::of(candidate, parties)));
+        let is_stated = k < self.stated;
+        if self.facts || !is_stated {
+            let facts = ContactFacts::of(candidate, [self.ego, meeting.party]);
+            assessed.facts = Some(Box::new(facts));
         }
-        if self.keeps_facts {
+        if self.facts {
             assessed.evidence = Some(Box::new(work.evidence(number)));
         }
-        if self.request.scene && is_stated {
+        if self.scene && is_stated {
             assessed.scene = Some(Box::new(ContactScene::of(candidate, state)));
         }
-        if self.request.explanation && is_stated {
+        if self.chain && is_stated {
             let chain = contact_chain(contacts, candidate, &assessed.harm, state);
             assessed.chain = Some(Box::new(chain));
         }
-        settle(&mut self.courses[k], candidate, assessed);
+        assessed
     }
 }

@@ -6,30 +6,46 @@
 //!    +---- that meets nobody yet: its further looks go first +
 //! ```
 //!
-//! What comes about, and with which plane, takes as long as the looks. Nothing waits for planes of
+//! What comes about, and with which plane, takes as long as the looks. Where many courses wait for
+//! that and workers wait for looks, threads on their cores help. Nothing waits for planes of
 //! members: they are laid when there is nothing else to do, and the last of them by all cores. A
 //! course goes on as soon as its own looks are done, so the order in which courses do depends on
 //! workers; what becomes of each does not. What was not done is known by its course and its number
 //! there, so a replay leaves the same open.
 
 use super::Course;
-use super::assembly::{Assembly, Found};
+use super::assembly::{Assembly, Found, Then};
 use super::history::{Cutoff, SearchClock, Surveyor};
 use super::rounds::{EncounterEffort, Round, Rounds};
+use super::way::NextContact;
 use crate::idle_cores::IdleCores;
 use crate::looks::{AskedLook, LookSource};
-use crate::request::{Request, RequestError};
+use crate::request::{Candidate, Request, RequestError};
 use crate::workspace::RunError;
 use bvh::Counters;
 use bvh::query::QueryWatch;
 use damage::Criteria;
+use damage::course::PASSED_M;
 use executor::encounter::{Encounters, LookOutcome};
 use record::OpenStep;
 use runtime::clock;
+use smallvec::SmallVec;
 use std::collections::VecDeque;
 
 /// Planes for each core that are laid without a look at the clock: a few milliseconds.
 const PLANES_AT_ONCE: usize = 16;
+
+/// Contacts for each core that are assembled while nobody takes what workers have found: about a
+/// millisecond.
+const CONTACTS_AT_ONCE: usize = 4;
+
+/// Courses that wait for the coordinator below which others do not help: threads take as long to
+/// start as a few contacts do.
+const SHARED_MIN: usize = 8;
+
+/// Looks that have to be out before courses wait until there is spare time: a single one would be
+/// done by the coordinator.
+const OUT_FIRST: usize = 2;
 
 impl Rounds<'_> {
     /// Searches for the contact that comes next in every course, as far as that matters, and as far
@@ -110,14 +126,16 @@ impl Rounds<'_> {
             encounters,
             effort: &mut effort.search,
             cutoff: surveyor.cutoff(time),
+            cores: surveyor.idle_cores(),
             begun: 0,
             looks: VecDeque::new(),
+            out: 0,
             ready: VecDeque::new(),
             bare: VecDeque::new(),
             not_done: Vec::new(),
         };
         let looked = surveyor.look(&mut search, stage, time)?;
-        search.lay_planes(&surveyor.idle_cores(), time);
+        search.lay_planes(time);
         let found = search.courses.into_iter().map(|course| course.found);
         let found = found.collect::<Result<_, _>>()?;
         effort.search.nb += looked.counters.nb;
@@ -156,10 +174,14 @@ pub(super) struct CourseSearch<'a, 'r> {
     encounters: &'a mut Encounters,
     effort: &'a mut EncounterEffort,
     cutoff: Cutoff<'a>,
+    /// Who helps where courses wait for the coordinator.
+    cores: IdleCores,
     /// How many courses have begun.
     begun: usize,
     /// Looks that nobody has taken yet.
     looks: VecDeque<CourseLook>,
+    /// Looks that were taken, and are not learnt yet.
+    out: usize,
     /// Courses whose looks are all learnt.
     ready: VecDeque<usize>,
     /// Members' courses with a contact whose plane is not laid.
@@ -205,31 +227,85 @@ impl CourseSearch<'_, '_> {
         }
     }
 
-    /// Assembles the next contact of a course whose looks are all learnt, if there is one.
+    /// Lets courses whose looks are all learnt go on to their next contacts: one of them, or where
+    /// many wait for that, several on all cores. `false` if there are none.
     fn assemble(&mut self) -> bool {
-        let Some(at) = self.ready.pop_front() else { return false };
-        let Self { assembly, courses, cutoff, bare, not_done, .. } = self;
-        let Searching { k, course, found, .. } = &mut courses[at];
-        let mut steps = course.steps;
-        let is_over = || {
-            let step = OpenStep { course: *k as u32, number: steps };
-            let is_over = assembly.has_limit && cutoff.is_over(step);
-            steps += u32::from(assembly.has_limit);
-            if is_over {
-                not_done.push(step);
+        // Each look that is out keeps one worker busy at most.
+        let is_shared = self.ready.len() >= SHARED_MIN;
+        let cores = if is_shared { self.cores.without(self.out) } else { IdleCores::default() };
+        let count = if cores.threads() > 1 { CONTACTS_AT_ONCE * cores.threads() } else { 1 };
+        let mut meetings: SmallVec<[(usize, NextContact); 1]> = SmallVec::new();
+        let ready: SmallVec<[usize; 1]> = self.ready.drain(..count.min(self.ready.len())).collect();
+        for at in &ready {
+            match self.next_contact(*at) {
+                Some(meeting) => meetings.push((*at, meeting)),
+                // Each look is at a later time than the last one at that party.
+                None if self.courses[*at].course.needs_looks() => self.begin(*at, false),
+                None => {}
             }
-            is_over
+        }
+        let (assembly, courses) = (&self.assembly, &self.courses);
+        let contacts = cores.map(&mut (), meetings.len(), |(), number| {
+            let (at, meeting) = &meetings[number];
+            let Searching { k, course, .. } = &courses[*at];
+            assembly.contact(*k, course, meeting)
+        });
+        for ((at, meeting), contact) in meetings.into_iter().zip(contacts) {
+            self.go_on(at, meeting, contact);
+        }
+        !ready.is_empty()
+    }
+
+    /// The contact that comes next in a course whose looks are all learnt; `None`, too, if that
+    /// needs a look, or there is no time.
+    fn next_contact(&mut self, at: usize) -> Option<NextContact> {
+        let Self { assembly, courses, cutoff, not_done, .. } = self;
+        let Searching { k, course, .. } = &mut courses[at];
+        if course.stuck.is_some() {
+            return None;
+        }
+        let meeting = course.way.next()?;
+        if assembly.has_limit {
+            // How it comes about, and its plane, take a millisecond where bodies are large.
+            let step = OpenStep { course: *k as u32, number: course.steps };
+            course.steps += 1;
+            if cutoff.is_over(step) {
+                not_done.push(step);
+                course.way.give_up();
+                return None;
+            }
+        }
+        Some(meeting)
+    }
+
+    /// Lets a course go on at its next contact.
+    fn go_on(
+        &mut self,
+        at: usize,
+        meeting: NextContact,
+        contact: Result<(Candidate, Then), RequestError>,
+    ) {
+        let Self { assembly, courses, ready, bare, .. } = self;
+        let Searching { k, course, found, .. } = &mut courses[at];
+        let (contact, then) = match contact {
+            Ok(contact) => contact,
+            Err(error) => return *found = Err(error),
         };
-        *found = assembly.next(*k, course, is_over);
-        course.steps = steps;
-        if matches!(found, Ok(Some(_))) && assembly.is_member(*k) && !assembly.has_limit {
-            bare.push_back(at);
+        let approach = &contact.approach;
+        let (closing_m_s, extent_m) = (approach.closing_m_s, approach.extent_up_to(PASSED_M));
+        match then {
+            Then::Survey => {
+                *found = Ok(Some((meeting, contact)));
+                if assembly.is_member(*k) && !assembly.has_limit {
+                    bare.push_back(at);
+                }
+                return;
+            }
+            Then::Part => course.way.let_part(&meeting, closing_m_s, extent_m),
+            Then::Pass => course.way.pass(&meeting, closing_m_s, extent_m),
         }
-        if matches!(found, Ok(None)) && course.needs_looks() {
-            // Each look is at a later time than the last one at that party.
-            self.begin(at, false);
-        }
-        true
+        // As one that has asked before: nobody else is as far behind.
+        ready.push_front(at);
     }
 
     /// Lays the plane of a member's contact, if one is not laid. Its survey leaves no time for it:
@@ -243,7 +319,8 @@ impl CourseSearch<'_, '_> {
     }
 
     /// Lays all planes that are still to be laid, when all workers wait.
-    fn lay_planes(&mut self, cores: &IdleCores, time: &SearchClock) {
+    fn lay_planes(&mut self, time: &SearchClock) {
+        let cores = &self.cores;
         let bare: Vec<usize> = self.bare.drain(..).collect();
         let contacts = bare.iter().filter_map(|at| self.courses[*at].found.as_ref().ok()?.as_ref());
         let contacts: Vec<_> =
@@ -265,12 +342,14 @@ impl LookSource for CourseSearch<'_, '_> {
     fn next(&mut self) -> Option<CourseLook> {
         loop {
             if let Some(look) = self.looks.pop_front() {
+                self.out += 1;
                 return Some(look);
             }
             if self.begun < self.courses.len() {
                 self.begun += 1;
                 self.begin(self.begun - 1, true);
-            } else if !self.assemble() {
+            } else if self.out >= OUT_FIRST || !self.assemble() {
+                // What workers have found is taken first: so it shows which of them wait.
                 return None;
             }
         }
@@ -287,6 +366,7 @@ impl LookSource for CourseSearch<'_, '_> {
     }
 
     fn learn(&mut self, id: CourseLook, seen: Option<LookOutcome>) {
+        self.out -= 1;
         let Searching { course, out, .. } = &mut self.courses[id.at];
         if seen.is_none() {
             self.not_done.push(id.step);

@@ -16,7 +16,7 @@ use executor::encounter::Encounters;
 use geometry::DVec3;
 use scenario::Members;
 use std::ops::ControlFlow;
-use std::rc::Rc;
+use std::sync::Arc;
 
 mod mirrors;
 
@@ -359,7 +359,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let scenery =
             Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
         let people = People::of(&scenario, &|party| scenery.body(party));
-        let member = Rc::new(Member::nominal(&scenery));
+        let member = Arc::new(Member::nominal(&scenery));
         let mut course = Course::new(scenery, member, 0);
         let mut encounters = Encounters::default();
         let (party, look) = course.way.looks().next().expect("nothing is known yet");
@@ -406,7 +406,7 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
     let scenery = Scenery { scenario: &scenario, bodies: &views, models: &[0, 1], shells: &shells };
     let people = People::of(&scenario, &|party| scenery.body(party));
-    let mut course = Course::new(scenery, Rc::new(Member::nominal(&scenery)), 0);
+    let mut course = Course::new(scenery, Arc::new(Member::nominal(&scenery)), 0);
     course.way.open_from_s = Some(0.0);
     let harm = harm_of(&people, &course, None);
     let (more, greatest) = harm.others.all;
@@ -414,6 +414,36 @@ fn whoever_may_be_aboard_may_be_harmed_in_what_is_open() {
     assert_eq!(greatest, f64::from(more), "each of them may be harmed for sure");
     let mut ranges = harm.persons.iter().map(|risk| risk.range);
     assert!(ranges.all(|range| range.low() == 0.0 && range.high() == 1.0));
+}
+
+#[test]
+fn what_follows_the_end_of_a_path_is_said_as_it_is() {
+    // Both paths end after 2 s, the other one's where it has stood for a second.
+    let sedan = body(Shape::Sedan, 900);
+    let other = format!(
+        "{}[[parties.other.paths]]\nprobability = 1.0\nstates = [ \
+         {{ t_s = 0, position_m = [40, 9, 0] }}, {{ t_s = 1, position_m = [45, 9, 0] }}, \
+         {{ t_s = 2, position_m = [45, 9, 0] }} ]\n",
+        party("other", "sedan", "")
+    );
+    let drive = |to_m: [f64; 2]| {
+        let [before, end] = to_m;
+        format!(
+            "[[candidates]]\nname = \"drive\"\npath = {{ states = [ \
+             {{ t_s = 0, position_m = [0, 0, 0] }}, \
+             {{ t_s = 1, position_m = [{before:?}, 0, 0] }}, \
+             {{ t_s = 2, position_m = [{end:?}, 0, 0] }} ] }}\n"
+        )
+    };
+    for (to_m, then) in [([5.0, 10.0], "goes straight on"), ([5.0, 5.0], "stays there")] {
+        let answer = ranked(&format!("{}{other}{}", ego(), drive(to_m)), &[&sedan, &sedan]);
+        let row = only(&answer);
+        let said = format!("the path of \"ego\" ends after 2.00 s: it {then}");
+        assert!(row.remarks.iter().any(|remark| remark.starts_with(&said)), "{:?}", row.remarks);
+        let stays = "these stay there: \"other\" (2.00 s)";
+        let assumed = &answer.assumptions;
+        assert!(assumed.iter().any(|said| said.ends_with(stays)), "{assumed:?}");
+    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ use executor::encounter::{Encounters, Look, LookOutcome, Nested, Touching, Ways}
 use geometry::Pose;
 use geometry::motion::{MotionPath, State};
 use scenario::{Candidate, Motion, Scenario};
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// How often a run-out has a state (s): its speed falls so little that it is within 0.3 mm of the
 /// path.
@@ -144,7 +144,7 @@ pub(crate) struct Leg {
 #[derive(Clone, Debug)]
 pub(crate) struct Way<'s> {
     scenery: Scenery<'s>,
-    member: Rc<Member<'s>>,
+    member: Arc<Member<'s>>,
     /// Number of the candidate.
     candidate: usize,
     /// Where the ego went after heavy contacts, in the order of time.
@@ -167,7 +167,7 @@ pub(crate) struct Way<'s> {
 
 impl<'s> Way<'s> {
     /// The way of a candidate, by its number, in a member.
-    pub(crate) fn new(scenery: Scenery<'s>, member: Rc<Member<'s>>, candidate: usize) -> Self {
+    pub(crate) fn new(scenery: Scenery<'s>, member: Arc<Member<'s>>, candidate: usize) -> Self {
         let start = Ahead::Unknown { from_s: 0.0, still: None };
         let mut ahead = vec![start; scenery.scenario.parties.len()];
         ahead[scenery.scenario.ego.0] = Ahead::Done;

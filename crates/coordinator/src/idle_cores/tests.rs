@@ -9,7 +9,7 @@ fn what_is_shared_comes_back_in_order_however_many_help() {
     for cores in [&[][..], &[None], &[Some(here), None, Some(usize::MAX)]] {
         for count in [0, 1, 2, 1_000] {
             let mut scratch = 0_u64;
-            let squares = IdleCores::of(cores).map(&mut scratch, count, |used, k| {
+            let squares = IdleCores::of(cores, 2).map(&mut scratch, count, |used, k| {
                 *used += 1;
                 k * k
             });
@@ -22,25 +22,35 @@ fn what_is_shared_comes_back_in_order_however_many_help() {
 }
 
 #[test]
+fn nobody_helps_whose_worker_is_at_work() {
+    let cores = IdleCores::of(&[None; 4], 3);
+    let threads = |busy: usize| cores.without(busy).threads();
+    assert_eq!([0, 1, 2, 3, 4, usize::MAX].map(threads), [4, 3, 2, 1, 1, 1]);
+    assert_eq!(IdleCores::of(&[None; 2], 3).threads(), 3);
+}
+
+#[test]
 fn a_panic_of_a_helper_is_one_of_the_caller() {
     let panics = std::panic::catch_unwind(|| {
-        IdleCores::of(&[None]).map(&mut (), 100, |(), k| assert!(k < 50));
+        IdleCores::of(&[None], 1).map(&mut (), 100, |(), k| assert!(k < 50));
     });
     assert!(panics.is_err());
 }
 
 #[test]
 fn virtual_helpers_spare_what_they_do_while_the_caller_works() {
-    let spared = |thread_ns: u64, threads: usize, took_ns: &[u64]| {
-        VirtualHelpers { thread_ns, spared_ns: Arc::default() }.spared_ns(threads, took_ns)
+    let help = |thread_ns: u64, threads: usize, took_ns: &[u64]| {
+        let VirtualHelp { spared_ns, done_ns } =
+            VirtualHelpers { thread_ns, helped: Arc::default() }.help(threads, took_ns);
+        (spared_ns, done_ns.to_vec())
     };
-    assert_eq!(spared(0, 1, &[5, 5, 5]), 0);
-    assert_eq!(spared(0, 3, &[5, 5, 5]), 10);
-    assert_eq!(spared(0, 2, &[4, 1, 1, 1, 1]), 4);
-    assert_eq!(spared(2, 2, &[4, 4]), 2);
+    assert_eq!(help(0, 1, &[5, 5, 5]), (0, vec![]));
+    assert_eq!(help(0, 3, &[5, 5, 5]), (10, vec![5, 5]));
+    assert_eq!(help(0, 2, &[4, 1, 1, 1, 1]), (4, vec![4]));
+    assert_eq!(help(2, 2, &[4, 4]), (2, vec![4]));
     // They are waited for, though all is done when they begin.
-    assert_eq!(spared(100, 4, &[5, 5]), 0);
-    let spared_ns = Arc::new(AtomicU64::new(0));
-    let cores = IdleCores::virtual_ones(2, 0, Arc::clone(&spared_ns));
+    assert_eq!(help(100, 4, &[5, 5]), (0, vec![0, 0, 0]));
+    let helped = Arc::new(Mutex::new(VirtualHelp::default()));
+    let cores = IdleCores::virtual_ones(2, 0, Arc::clone(&helped));
     assert_eq!((cores.threads(), cores.map(&mut (), 4, |(), k| 2 * k)), (2, vec![0, 2, 4, 6]));
 }

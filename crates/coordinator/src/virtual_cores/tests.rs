@@ -101,3 +101,31 @@ fn one_core_takes_as_long_as_it_took_here() {
     let (time, _) = looked(VirtualSetup { workers: 1, is_shared: true, costs });
     assert_eq!(time.total_ns, time.alone_ns);
 }
+
+#[test]
+fn who_helps_delays_the_worker_of_its_core_if_that_is_at_work() {
+    let costs = MessageCosts::default();
+    // With one core for both, the first worker waits for what the coordinator does itself.
+    for (is_shared, delayed) in [(false, [false, true]), (true, [true, true])] {
+        let setup = VirtualSetup { workers: 2, is_shared, costs };
+        let mut cores = VirtualCores::new(setup, InProcessExecutor::with_room_for(&[]));
+        cores.begin(clock::now_ns());
+        // Both are at work for a second, the first one longer.
+        let ends_ns = [1_000_000_001, 1_000_000_000];
+        for (worker, end_ns) in cores.workers.iter_mut().zip(ends_ns) {
+            worker.free_ns = end_ns;
+            worker.sent_ns.push_back(end_ns);
+        }
+        let helper = cores.idle_cores().without(usize::from(!is_shared));
+        assert_eq!(helper.threads(), 2);
+        helper.map(&mut (), 2, |(), _| spin(50_000));
+        cores.count();
+        let ends = cores.workers.iter().map(|worker| (worker.free_ns, worker.sent_ns[0]));
+        for (number, (free_ns, sent_ns)) in ends.enumerate() {
+            assert_eq!(free_ns, sent_ns);
+            let by_ns = free_ns - ends_ns[number];
+            assert_eq!(by_ns >= 50_000, delayed[number], "{number}: {by_ns}");
+        }
+        assert!(cores.time.alone_ns >= 100_000 && cores.time.coordinator_ns < cores.time.alone_ns);
+    }
+}

@@ -15,7 +15,12 @@ impl<'w> SurveyRun<'w> {
 
     /// Harm of every candidate, as far as it is known.
     pub(crate) fn harms(&self) -> Result<Vec<CandidateHarm>, RequestError> {
-        self.harms_by(|k| self.evidence(k), |_| {})
+        (0..self.request.candidates.len()).map(|k| self.harm(k)).collect()
+    }
+
+    /// Harm of a candidate, as far as it is known.
+    pub(crate) fn harm(&self, k: usize) -> Result<CandidateHarm, RequestError> {
+        self.harm_by(k, &self.evidence(k))
     }
 
     /// [`SurveyRun::judge`] with other evidence, and with harm changed before it is ranked.
@@ -25,29 +30,22 @@ impl<'w> SurveyRun<'w> {
         evidence: impl Fn(usize) -> Evidence,
         change: impl Fn(&mut CandidateHarm),
     ) -> Result<(Vec<CandidateHarm>, RankedCandidates), RequestError> {
-        let harms = self.harms_by(evidence, change)?;
+        let changed = |k: usize| {
+            let mut harm = self.harm_by(k, &evidence(k))?;
+            change(&mut harm);
+            Ok(harm)
+        };
+        let harms = (0..self.request.candidates.len()).map(changed);
+        let harms = harms.collect::<Result<Vec<_>, RequestError>>()?;
         let ranking = rank(&self.request.criteria.policy, self.outlook.stakes(), &harms)?;
         Ok((harms, ranking))
     }
 
-    fn harms_by(
-        &self,
-        evidence: impl Fn(usize) -> Evidence,
-        change: impl Fn(&mut CandidateHarm),
-    ) -> Result<Vec<CandidateHarm>, RequestError> {
-        let request = self.request;
-        let basis = self.basis();
-        let mut harms = Vec::with_capacity(request.candidates.len());
-        for (k, candidate) in request.candidates.iter().enumerate() {
-            self.lay_plane(k);
-            let mut harm =
-                assess(&candidate.encounter(), &evidence(k), &basis).map_err(|source| {
-                    RequestError::Assess { name: candidate.name.to_string(), source }
-                })?;
-            change(&mut harm);
-            harms.push(harm);
-        }
-        Ok(harms)
+    fn harm_by(&self, k: usize, evidence: &Evidence) -> Result<CandidateHarm, RequestError> {
+        self.lay_plane(k);
+        let candidate = &self.request.candidates[k];
+        assess(&candidate.encounter(), evidence, &self.basis())
+            .map_err(|source| RequestError::Assess { name: candidate.name.to_string(), source })
     }
 
     /// The curves, severity level and parameters that harm is computed with.
