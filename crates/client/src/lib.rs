@@ -49,7 +49,8 @@
 //! - An answer belongs to its request: it carries a number that no other client chooses.
 //! - No bit of a request or an answer changes on the way unseen: both carry a checksum, which the
 //!   service and this library check on copies of their own. What was changed becomes a refusal,
-//!   [`Reason::Corrupt`].
+//!   [`Reason::Corrupt`], at once: a refusal for that belongs to whatever request waits, as nobody
+//!   knows the number of a request that was changed.
 //! - The client reconnects to a restarted service by itself: `tests/processes/serve.rs` at the top
 //!   level.
 //!
@@ -177,6 +178,10 @@ impl Client {
                     return refused(Reason::Corrupt, "the answer was changed on its way");
                 }
                 Ok(Some(answer)) if answer.sequence == sequence => return answer,
+                // It may have been the number that was changed, so no other answer would come.
+                Ok(Some(answer)) if answer.reason() == Reason::Corrupt => {
+                    return refused(Reason::Corrupt, answer.text());
+                }
                 // None, or one to an earlier request that was withdrawn: however many come, the
                 // deadline holds.
                 Ok(Some(_) | None) => {}
@@ -290,6 +295,16 @@ mod tests {
         let given = client(Waiting::Spin).await_answer(7, end_ns, || Ok(Some(changed)), || true);
         assert_eq!((given.verdict(), given.reason()), (WireState::Refused, Reason::Corrupt));
         assert!(given.is_intact() && given.ranking().is_empty());
+    }
+
+    #[test]
+    fn a_request_whose_number_was_changed_on_its_way_is_refused_at_once() {
+        let changed = answer(6, WireState::Refused, Reason::Corrupt, "the request was changed");
+        let end_ns = now_ns() + 20_000 * MS;
+        let given = client(Waiting::Spin).await_answer(7, end_ns, || Ok(Some(changed)), || true);
+        assert_eq!((given.sequence, given.reason()), (7, Reason::Corrupt));
+        assert_eq!(given.text(), "the request was changed");
+        assert!(now_ns() < end_ns && given.is_intact());
     }
 
     #[test]

@@ -11,7 +11,7 @@ use bvh::query::{
     SweepWorkspace, Workspace, containment, first_contact, first_contact_in_motion_watched,
     least_pair_watched, touches,
 };
-use bvh::support::support;
+use bvh::support::support_near;
 use bvh::{Counters, SweepTask, Witness};
 use core::ops::{ControlFlow, Range};
 use geometry::motion::MotionPath;
@@ -198,19 +198,22 @@ impl Ways<'_> {
 /// tells.
 fn may_be_nested(ways: &Ways<'_>, pose: &RelativePose) -> bool {
     let [a, b] = ways.bodies;
-    let box_of_a = a.bounds();
-    let corner = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
-    let own = Bounds { min: corner(box_of_a.min), max: corner(box_of_a.max) };
-    own.overlaps(&pose.bounds(&b.bounds())) && !are_apart(ways.bodies, pose)
+    a.bounds().bounds().overlaps(&pose.bounds(&b.bounds())) && !are_apart(ways.bodies, pose)
 }
 
-/// Whether a plane parallel to one of a few directions lies between two bodies; `pose` is that of B
-/// in A's frame. Shells are asked only where there is none: that takes longer.
+/// Whether a plane across one of a few directions lies between two bodies; `pose` is that of B in
+/// A's frame. Shells are asked only where there is none: that takes longer.
 fn are_apart([a, b]: [BodyView<'_>; 2], pose: &RelativePose) -> bool {
+    let middle = |bounds: Bounds| (bounds.min + bounds.max) * 0.5;
+    let towards = middle(pose.bounds(&b.bounds())) - middle(a.bounds().bounds());
+    let mut directions = Directions::around(DVec3::X, DVec3::Z).d;
+    // From A to B first: there most planes are.
+    directions.sort_unstable_by(|d, e| e.dot(towards).total_cmp(&d.dot(towards)));
     let at = DVec3::from(pose.translation);
-    Directions::around(DVec3::X, DVec3::Z).d.iter().any(|d| {
-        let of_b = support(&b, pose.direction_to_b(-*d)) - d.dot(at);
-        support(&a, *d) + of_b < -AROUND_M
+    let (mut near_a, mut near_b) = (None, None);
+    directions.iter().any(|d| {
+        let of_b = support_near(&b, pose.direction_to_b(-*d), &mut near_b) - d.dot(at);
+        support_near(&a, *d, &mut near_a) + of_b < -AROUND_M
     })
 }
 

@@ -14,7 +14,7 @@ use trolley::bodies::Bodies;
 use trolley::{Failure, OpenDeployment};
 
 /// Warm-up requests, which are not counted.
-const WARM: u32 = 200;
+pub(crate) const WARM: u32 = 200;
 /// After how many requests the work is repeated in this process.
 const HERE: u32 = 8;
 /// The longest time that a histogram resolves (ns).

@@ -4,7 +4,7 @@
 
 use super::kind::Kind;
 use super::report::{Report, State};
-use super::serving::{Serving, Told, files_below};
+use super::serving::{START_MS, Serving, Told, files_below};
 use super::signals::KILL;
 use coordinator::Answer;
 use geometry::rng::Rng;
@@ -41,7 +41,7 @@ pub(super) fn strike(
         serving.end()?;
         return Ok(());
     };
-    let mut connected = serving.ask_again_and_again(REQUESTS)?;
+    let mut connected = serving.ask_again_and_again(REQUESTS, START_MS)?;
     connected.wait_ms(20 + rng.below(30))?;
     let filler = seen.join("filler");
     fill(&filler)?;

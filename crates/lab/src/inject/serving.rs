@@ -2,6 +2,7 @@
 
 use super::report::{Report, State};
 use super::run::Rank;
+use crate::latency::WARM;
 use coordinator::Answer;
 use runtime::process::{self, Spawn};
 use runtime::{Child, Exit, clock};
@@ -23,7 +24,7 @@ const END_MS: u64 = 5_000;
 const CLIENT_MS: u64 = 1_000;
 /// How long each of many requests of one client may take in the mean (ms), on a machine with other
 /// work.
-const REPEAT_MS: u64 = 250;
+pub(super) const REPEAT_MS: u64 = 250;
 /// What clients ask for: the scene as stated. Faults strike between requests and within them, of
 /// which there are to be many.
 pub(super) const MEMBERS: i64 = 1;
@@ -200,11 +201,16 @@ impl Serving {
         self.ask_with(deadline_ms, &[])
     }
 
-    /// Starts a client that asks this many times, and compares the answers itself.
-    pub(super) fn ask_again_and_again(&self, times: u32) -> Result<Asking, Failure> {
-        let mut asking = self.ask_with(START_MS, &["--repeat", &times.to_string()])?;
-        // It ends when all are answered, not one.
-        asking.patience_ms += u64::from(times) * REPEAT_MS;
+    /// Starts a client that asks this many times, each time with this deadline, and compares the
+    /// answers itself.
+    pub(super) fn ask_again_and_again(
+        &self,
+        times: u32,
+        deadline_ms: u64,
+    ) -> Result<Asking, Failure> {
+        let mut asking = self.ask_with(deadline_ms, &["--repeat", &times.to_string()])?;
+        // It loads its bodies first, and ends when all are answered, not one.
+        asking.patience_ms = START_MS + CLIENT_MS + u64::from(WARM + times) * REPEAT_MS;
         Ok(asking)
     }
 
