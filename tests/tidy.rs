@@ -63,6 +63,7 @@ const LAYERS: &[&str] = &[
     "client-c",
     "cli",
     "python",
+    "check",
     "tools",
 ];
 /// Programs and libraries on top: they never use each other.
@@ -104,7 +105,7 @@ const ALONE: &[(&str, &[&str])] = &[
     ("gltf", &["mesh"]),
     ("earcut", &["mesh"]),
     ("robust", &["geometry"]),
-    ("clap", &["cli", "tools"]),
+    ("clap", &["cli", "check", "tools"]),
     ("kuva", &["lab"]),
     ("parquet", &["columns", "cli"]),
     ("glob", &["study"]),

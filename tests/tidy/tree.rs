@@ -81,7 +81,7 @@ pub(crate) struct Package {
 /// All packages of this workspace.
 pub(crate) fn packages() -> Vec<Package> {
     let mut folders = entries(&root().join("crates"));
-    folders.push(root().join("tools"));
+    folders.extend(["tools/check", "tools"].map(|folder| root().join(folder)));
     let packages: Vec<Package> = folders.into_iter().map(Package::read).collect();
     assert!(packages.len() > 10, "only {} packages: is this the right place?", packages.len());
     packages

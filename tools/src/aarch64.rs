@@ -5,9 +5,9 @@ mod page;
 mod root;
 mod suites;
 
-use crate::built::{Workspace, output, write};
-use crate::step::{cargo, now};
 use anyhow::{Context as _, Result};
+use check::built::{CargoWorkspace, output, write};
+use check::step::{cargo, now};
 use clap::Args;
 pub(crate) use equal::{Program, SCENARIOS, build_here};
 use page::Page;
@@ -24,9 +24,6 @@ pub(crate) struct Options {
     /// Compare one answer alone, and write no page.
     #[arg(long)]
     quick: bool,
-    /// Do nothing where the root file system was not made yet.
-    #[arg(long)]
-    if_made: bool,
     /// Leave out all tests, or the unit tests of pure crates; the page says so.
     #[arg(long, value_name = "WHAT", value_parser = ["tests", "units"])]
     without: Option<String>,
@@ -40,12 +37,7 @@ pub(crate) struct Options {
 
 /// Makes the root file system if there is none, builds, tests, compares, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
-    let place = Root::place(&workspace);
-    if options.if_made && !Root::is_made(&place) {
-        tell("SKIPPED: there is no root file system for it: cargo x aarch64 makes one")?;
-        return Ok(ExitCode::SUCCESS);
-    }
+    let workspace = CargoWorkspace::find()?;
     let start = now();
     let root = Root::open(&workspace)?;
     tell("root    a Debian with a compiler and an emulator is there")?;

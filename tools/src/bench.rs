@@ -3,8 +3,8 @@
 //! For kernel development on one machine. `cargo x count` gates changes; `cargo x compare` compares
 //! with other libraries.
 
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::step::cargo;
 use std::process::ExitCode;
 
 /// Runs the benchmarks whose names contain `filter`, all if there is none.

@@ -4,9 +4,9 @@
 mod page;
 mod service;
 
-use crate::built::{self, Workspace, write};
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::built::{self, CargoWorkspace, write};
+use check::step::cargo;
 use page::Page;
 use serde_json::Value;
 use std::io::Write as _;
@@ -32,7 +32,7 @@ const SHIPPED: [&str; 3] = ["minimal", "dual-core", "quad-core"];
 
 /// Measures all, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let program = match &options.program {
         Some(program) => program.canonicalize()?,
         None => built::executable(cargo().args(["build", "--release", "--package=trolley-cli"]))?,

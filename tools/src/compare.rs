@@ -19,11 +19,11 @@ mod row;
 #[cfg(test)]
 mod tests;
 
-use crate::built::{self, Workspace, write};
 use crate::machine;
-use crate::step::cargo;
 use anyhow::{Result, bail};
 use cases::Case;
+use check::built::{self, CargoWorkspace, write};
+use check::step::cargo;
 use log::Log;
 use page::Page;
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    fn out(&self, workspace: &Workspace, default: &str) -> PathBuf {
+    fn out(&self, workspace: &CargoWorkspace, default: &str) -> PathBuf {
         workspace.root.join(self.out.as_deref().unwrap_or(Path::new(default)))
     }
 }
@@ -76,7 +76,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     if options.first_contact {
         return first_contact::run(options);
     }
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let cases = cases(options, &workspace)?;
     let mut skipped = Vec::new();
     let oracle = peers::oracle(&workspace).map_err(|why| skipped.push(why)).ok();
@@ -141,7 +141,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
     Ok(if ours_failed || !wrong.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn cases(options: &Options, workspace: &Workspace) -> Result<Vec<Case>> {
+fn cases(options: &Options, workspace: &CargoWorkspace) -> Result<Vec<Case>> {
     let wanted = |name: &str| options.only.as_ref().is_none_or(|text| name.contains(text));
     let cases = match &options.cases {
         Some(folder) => cases::given(folder, &wanted)?,
@@ -155,7 +155,7 @@ fn cases(options: &Options, workspace: &Workspace) -> Result<Vec<Case>> {
 
 fn peers(
     options: &Options,
-    workspace: &Workspace,
+    workspace: &CargoWorkspace,
     skipped: &mut Vec<String>,
 ) -> Result<Vec<(&'static str, PathBuf)>> {
     let mut peers = Vec::new();

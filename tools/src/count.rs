@@ -11,10 +11,10 @@ mod record;
 #[cfg(test)]
 mod tests;
 
-use crate::built::{self, Workspace, output, write};
 use crate::machine;
-use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
+use check::built::{self, CargoWorkspace, output, write};
+use check::step::cargo;
 use record::{Entry, Record};
 use std::fs;
 use std::io::{self, Write as _};
@@ -36,7 +36,7 @@ pub(crate) fn run(record: bool) -> Result<ExitCode> {
         writeln!(out, "        apt-get install valgrind, then run this again.")?;
         return if record { bail!("nothing to record") } else { Ok(ExitCode::SUCCESS) };
     }
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let program = built::executable(cargo().args([
         "bench",
         "--package",

@@ -4,9 +4,9 @@ mod clean;
 mod page;
 
 use crate::aarch64::{PACKED, Program, Root, SCENARIOS, TARGET, build_here, build_program, logged};
-use crate::built::{Workspace, output, write};
-use crate::step::{cargo, now};
 use anyhow::{Context as _, Result, bail};
+use check::built::{CargoWorkspace, output, write};
+use check::step::{cargo, now};
 use clap::Args;
 use clean::Clean;
 use page::Page;
@@ -72,7 +72,7 @@ pub(crate) struct Tried {
 
 /// Builds, packs, checks, installs, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let maker = Maker::new(&workspace, options)?;
     let wanted = |arch: &str| options.only.as_ref().is_none_or(|only| only == arch);
     let mut all = Vec::new();
@@ -112,14 +112,14 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 
 /// Makes packages.
 struct Maker<'w> {
-    workspace: &'w Workspace,
+    workspace: &'w CargoWorkspace,
     maintainer: String,
     /// cargo-deb.
     packer: PathBuf,
 }
 
 impl<'w> Maker<'w> {
-    fn new(workspace: &'w Workspace, options: &Options) -> Result<Self> {
+    fn new(workspace: &'w CargoWorkspace, options: &Options) -> Result<Self> {
         let git = |key| output(Command::new("git").args(["config", key]));
         let maintainer = match &options.maintainer {
             Some(maintainer) => maintainer.clone(),

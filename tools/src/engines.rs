@@ -6,10 +6,10 @@
 //!
 //! Ray listens on all interfaces, so it never runs here where anybody else could reach it.
 
-use crate::built::{Workspace, write};
 use crate::machine;
 use crate::wheel::{Kept, Python, built_wheel};
 use anyhow::{Context as _, Result, bail};
+use check::built::{CargoWorkspace, write};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -34,7 +34,7 @@ pub(crate) struct Options {
 /// Builds the package, has every engine run the study, and writes the page; fails if a gate is
 /// missed.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let wheels = workspace.target.join("wheel");
     let python = Python { program: &options.python, folder: &wheels };
     let wheel = match &options.wheel {

@@ -1,8 +1,8 @@
 //! `cargo x soak`, `model`, `corrupt` and `fuzz`: long versions of short tests.
 
-use crate::built::{Workspace, executable};
-use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
+use check::built::{CargoWorkspace, executable};
+use check::step::cargo;
 use clap::Args;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -57,7 +57,7 @@ fn passed(command: &mut Command) -> Result<ExitCode> {
 
 /// Fuzzes each target for its time; what is found stays in the folder that is named.
 pub(crate) fn fuzz(options: &FuzzOptions) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let corpora = workspace.root.join("tools/fuzz/corpus");
     let targets = names(&corpora)?;
     if let Some(name) = options.targets.iter().find(|name| !targets.contains(name)) {

@@ -4,9 +4,9 @@
 //! Everything is ranked, recorded and drawn by the program itself. The real bodies are third-party:
 //! they are read in place, and only pictures of them are kept.
 
-use crate::built::{self, Workspace, write};
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::built::{self, CargoWorkspace, write};
+use check::step::cargo;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -152,7 +152,7 @@ const CRASHES: &[Crash] = &[
 const BEFORE_S: f64 = 0.5;
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let program = match &options.program {
         Some(program) => program.clone(),
         None => {

@@ -8,10 +8,10 @@ mod collection;
 mod page;
 mod watched;
 
-use crate::built::{Workspace, executable, write};
 use crate::machine;
-use crate::step::cargo;
 use anyhow::Result;
+use check::built::{CargoWorkspace, executable, write};
+use check::step::cargo;
 use collection::{Collection, Sort};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ struct Outcome {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let build = ["build", "--release", "-p", "trolley-cli", "--bin", "trolley"];
     let program = match &options.program {
         Some(program) => program.canonicalize()?,

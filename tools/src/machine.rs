@@ -2,8 +2,8 @@
 //!
 //! Dates are those of commits; nothing here reads a clock.
 
-use crate::built::output;
 use anyhow::Result;
+use check::built::output;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};

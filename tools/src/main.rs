@@ -1,12 +1,11 @@
 //! `cargo x`: the tasks of this workspace.
 //!
-//! Each task starts cargo or what cargo has built. Nothing that ships depends on this program.
+//! Each task starts cargo or what cargo has built. Nothing that ships depends on this program. What
+//! every change must pass is in `tools/check`, whose program comes first and starts this one.
 
 mod aarch64;
 mod bench;
 mod bounds;
-mod built;
-mod check;
 mod compare;
 mod count;
 mod deb;
@@ -17,13 +16,11 @@ mod inputs;
 mod machine;
 mod mutants;
 mod oracle;
-mod packages;
-mod safety;
 mod scenarios;
-mod step;
 mod wheel;
 
 use anyhow::Result;
+use check::{safety, steps};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -124,7 +121,7 @@ enum Task {
     /// tools/results/deb.md.
     Deb(deb::Options),
     /// Write requirements, assumptions and failure modes as needs.json, for sphinx-needs.
-    Needs(safety::Options),
+    Needs(safety::NeedsOptions),
     /// Change dispatcher and ranking in small ways, each of which a test must notice.
     ///
     /// Needs cargo-mutants. What an earlier run caught is not tried again. Fails if a change that
@@ -147,10 +144,8 @@ enum Task {
 
 fn main() -> Result<ExitCode> {
     match Args::parse().task {
-        Task::Check { quick: false } => check::run(check::STEPS),
-        Task::Check { quick: true } => {
-            check::run(check::STEPS.iter().filter(|step| !check::THOROUGH.contains(&step.name)))
-        }
+        Task::Check { quick: false } => steps::run(steps::STEPS),
+        Task::Check { quick: true } => steps::run(steps::quick()),
         Task::Oracle { pairs, seed, first_contact } => {
             let part = if first_contact { oracle::Part::FirstContact } else { oracle::Part::All };
             oracle::run(part, pairs, seed)

@@ -2,10 +2,10 @@
 //!
 //! What no test notices is explained in `tools/safety/mutants.toml`, or this fails.
 
-use crate::built::{Workspace, write};
 use crate::machine;
-use crate::step::{cargo, now};
 use anyhow::{Context as _, Result, ensure};
+use check::built::{CargoWorkspace, write};
+use check::step::{cargo, now};
 use clap::Args;
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -94,7 +94,7 @@ struct Outcome {
 
 /// Tries all, and writes the page.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let known = cargo().args(["mutants", "--version"]).output();
     let known = known.is_ok_and(|done| done.status.success());
     ensure!(known, "there is no cargo-mutants\n  help: cargo install cargo-mutants --locked");
@@ -149,7 +149,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 }
 
 /// Runs cargo-mutants in a copy of the source; what an earlier run caught is not tried again.
-fn try_all(workspace: &Workspace, part: &Part, every: u32) -> Result<Outcome> {
+fn try_all(workspace: &CargoWorkspace, part: &Part, every: u32) -> Result<Outcome> {
     let Part { name: part, package, tests, files } = *part;
     let folder = workspace.target.join("mutants").join(format!("{part}-{every}"));
     fs::create_dir_all(&folder)?;

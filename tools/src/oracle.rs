@@ -1,7 +1,7 @@
 //! `cargo x oracle`: the campaign of `crates/geometry/tests/oracle`, optimised, of any length.
 
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::step::cargo;
 use std::process::ExitCode;
 
 /// What is compared.

@@ -10,11 +10,11 @@
 //! Environments lie below the target directory. All but that of the tests are kept; it is made anew
 //! each time. Packages come from the index that pip is set up for.
 
-use crate::built::{self, Workspace, output, write};
 use crate::compare::cases;
 use crate::machine;
-use crate::step::cargo;
 use anyhow::{Context as _, Result, bail};
+use check::built::{self, CargoWorkspace, output, write};
+use check::step::cargo;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ const CALLS: &[&str] = &["--calls", "1000000", "--seed", "1"];
 
 /// Builds the package, and tries it.
 pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let wheels = workspace.target.join("wheel");
     let python = Python { program: &options.python, folder: &wheels };
     let package = workspace.root.join("crates/python");
@@ -108,7 +108,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 /// Writes the page; fails if a gate is missed.
 fn compare(
     python: &Python<'_>,
-    workspace: &Workspace,
+    workspace: &CargoWorkspace,
     wheel: &Path,
     program: &Path,
 ) -> Result<ExitCode> {

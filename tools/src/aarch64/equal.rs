@@ -2,8 +2,8 @@
 //! other's records.
 
 use super::root::Root;
-use crate::step::now;
 use anyhow::{Context as _, Result, bail};
+use check::step::now;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -227,5 +227,5 @@ fn utf8(path: &Path) -> Result<&str> {
 
 /// Builds the program for this machine; where it is.
 pub(crate) fn build_here() -> Result<PathBuf> {
-    crate::built::executable(crate::step::cargo().arg("build").args(super::BUILD))
+    check::built::executable(check::step::cargo().arg("build").args(super::BUILD))
 }

@@ -3,10 +3,10 @@
 use super::equal::Row;
 use super::root::Root;
 use super::suites::Ended;
-use crate::built::Workspace;
 use crate::machine;
-use crate::step::Tally;
 use anyhow::Result;
+use check::built::CargoWorkspace;
+use check::step::TestTally;
 use std::fmt::{self, Display, Formatter};
 
 /// What a reader must not take from it.
@@ -25,7 +25,7 @@ pub(crate) struct Page<'a> {
 impl<'a> Page<'a> {
     /// Asks for versions.
     pub(crate) fn new(
-        workspace: &Workspace,
+        workspace: &CargoWorkspace,
         root: &Root,
         ended: &'a [Ended],
         rows: &'a [Row],
@@ -49,7 +49,7 @@ impl<'a> Page<'a> {
              | tests | passed | failed | ignored | s |\n|---|--:|--:|--:|--:|\n",
         )?;
         for end in self.ended {
-            let Tally { passed, failed, ignored, .. } = end.tally;
+            let TestTally { passed, failed, ignored, .. } = end.tally;
             let (name, seconds) = (&end.name, end.seconds);
             writeln!(f, "| {name} | {passed} | {failed} | {ignored} | {seconds:.1} |")?;
         }
@@ -80,7 +80,7 @@ impl Display for Page<'_> {
         for (name, value) in self.machine.iter().chain(&self.there) {
             writeln!(f, "| {name} | {value} |")?;
         }
-        let mut all = Tally::default();
+        let mut all = TestTally::default();
         self.ended.iter().for_each(|end| all.add(&end.tally));
         let equal = self.rows.iter().filter(|row| row.is_equal()).count();
         let tests = if all.is_empty() { String::new() } else { format!("{all}. ") };

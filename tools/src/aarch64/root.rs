@@ -3,8 +3,8 @@
 //! Each command has a mount and a process namespace of its own: mounts, the emulator's registration
 //! with the kernel and all processes end with it, however it ends, and nobody else sees them.
 
-use crate::built::{Workspace, output};
 use anyhow::{Context as _, Result, bail};
+use check::built::{CargoWorkspace, output};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -76,7 +76,7 @@ impl Root {
     pub(crate) const SUITE: &str = "forky";
 
     /// Where it is: `$TROLLEY_AARCH64_ROOT`, or in the target folder.
-    pub(crate) fn place(workspace: &Workspace) -> PathBuf {
+    pub(crate) fn place(workspace: &CargoWorkspace) -> PathBuf {
         let named = std::env::var_os("TROLLEY_AARCH64_ROOT").filter(|name| !name.is_empty());
         named.map_or_else(|| workspace.target.join("aarch64"), PathBuf::from)
     }
@@ -87,7 +87,7 @@ impl Root {
     }
 
     /// Makes it, or what an earlier run left undone.
-    pub(crate) fn open(workspace: &Workspace) -> Result<Self> {
+    pub(crate) fn open(workspace: &CargoWorkspace) -> Result<Self> {
         if !rustix::process::geteuid().is_root() {
             bail!("a root file system is made and entered as root alone\n  help: sudo");
         }
@@ -150,7 +150,7 @@ impl Root {
         logged(&mut command, &self.place.join("install.log"))
     }
 
-    fn check_compiler(&self, workspace: &Workspace) -> Result<()> {
+    fn check_compiler(&self, workspace: &CargoWorkspace) -> Result<()> {
         let manifest = fs::read_to_string(workspace.root.join("Cargo.toml"))?;
         let line = manifest.lines().find_map(|line| line.strip_prefix("rust-version = "));
         let wanted = version(line.context("Cargo.toml has no rust-version")?);

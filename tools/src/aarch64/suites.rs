@@ -3,8 +3,8 @@
 mod pure_crates;
 
 use super::root::{Root, TARGET};
-use crate::step::{Tally, now};
 use anyhow::{Context as _, Result, bail};
+use check::step::{TestTally, now};
 use pure_crates::PURE;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -50,7 +50,7 @@ pub(crate) struct Ended {
     /// What it is called on the page.
     pub(crate) name: String,
     /// What it counted.
-    pub(crate) tally: Tally,
+    pub(crate) tally: TestTally,
     /// How long it took on the wall (s).
     pub(crate) seconds: f64,
     /// Names of tests that failed, and `ended early` if there is no closing line.
@@ -114,7 +114,7 @@ fn build(root: &Root, source: &Path, words: &[&str], ships: bool) -> Result<Buil
     // `runtime/src/guard.rs` reads it.
     let slowness = (!ships).then(|| format!("TROLLEY_SLOWNESS={PATIENCE}"));
     let words: Vec<&str> = slowness.as_deref().into_iter().chain([words, &how].concat()).collect();
-    let said = crate::built::output(&mut root.inside(source, &words))?;
+    let said = check::built::output(&mut root.inside(source, &words))?;
     let (mut trolley, mut tests) = (None, BTreeMap::new());
     for message in said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
         let Some(program) = message["executable"].as_str().map(PathBuf::from) else { continue };
@@ -238,8 +238,8 @@ impl Suite {
     }
 
     fn ended(&self, seconds: f64, said: &str) -> Ended {
-        let mut tally = Tally::default();
-        said.lines().filter_map(Tally::of).for_each(|closing| tally.add(&closing));
+        let mut tally = TestTally::default();
+        said.lines().filter_map(TestTally::of).for_each(|closing| tally.add(&closing));
         // `test NAME ... FAILED`; output of another test may stand between.
         let name = |line: &str| {
             let (name, _) = line.strip_prefix("test ")?.split_once(" ... ")?;

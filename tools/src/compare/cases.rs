@@ -6,8 +6,8 @@
 mod encounter;
 mod scene;
 
-use crate::built;
 use anyhow::{Context as _, Result, bail};
+use check::built;
 pub(crate) use encounter::FAMILIES;
 use encounter::{Encounter, Family};
 use geometry::{Corners, Pose};

@@ -14,10 +14,10 @@ mod page;
 mod tests;
 
 use super::{Options, cases, peers, say, tell};
-use crate::built::{self, Workspace, output, write};
 use crate::machine;
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::built::{self, CargoWorkspace, output, write};
+use check::step::cargo;
 use page::Page;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -65,7 +65,7 @@ struct Effort {
 
 /// Measures everything and writes the page.
 pub(super) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+    let workspace = CargoWorkspace::find()?;
     let bench = ["bench", "--package", "trolley-bvh", "--bench", "sweeps", "--no-run"];
     let ours = built::executable(cargo().args(bench))?;
     let (mut drivers, mut skipped) = (Vec::new(), Vec::new());

@@ -3,9 +3,9 @@
 //! A missing driver is no error: the reason and its remedy are printed, and the comparison
 //! continues without it. Every driver is compiled with full optimisation for this machine.
 
-use crate::built::{self, Workspace};
-use crate::step::cargo;
 use anyhow::{Context as _, Result};
+use check::built::{self, CargoWorkspace};
+use check::step::cargo;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -51,14 +51,14 @@ const FCL_SWEEPS: Driver = Driver {
 };
 
 /// The drivers for first contact, with the programs that run them; or why there are none.
-pub(crate) fn sweeps(workspace: &Workspace) -> Vec<Result<Vec<PathBuf>, String>> {
+pub(crate) fn sweeps(workspace: &CargoWorkspace) -> Vec<Result<Vec<PathBuf>, String>> {
     let parry = parry(workspace, "peer-parry-sweeps").map(|program| vec![program]);
     let fcl = FCL_SWEEPS.program(workspace).map(|program| vec![program]);
     vec![parry.map_err(|fault| format!("parry: left out: {fault:#}")), fcl, ipctk(workspace)]
 }
 
 /// A script, if the Python that is found first has the package.
-fn ipctk(workspace: &Workspace) -> Result<Vec<PathBuf>, String> {
+fn ipctk(workspace: &CargoWorkspace) -> Result<Vec<PathBuf>, String> {
     let mut command = Command::new("python3");
     let there = command.args(["-c", "import ipctk"]).stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
@@ -68,7 +68,7 @@ fn ipctk(workspace: &Workspace) -> Result<Vec<PathBuf>, String> {
 }
 
 /// The driver of a peer, or why there is none.
-pub(crate) fn driver(name: &str, workspace: &Workspace) -> Result<PathBuf, String> {
+pub(crate) fn driver(name: &str, workspace: &CargoWorkspace) -> Result<PathBuf, String> {
     match DRIVERS.iter().find(|driver| driver.name == name) {
         Some(driver) => driver.program(workspace),
         None => {
@@ -78,7 +78,7 @@ pub(crate) fn driver(name: &str, workspace: &Workspace) -> Result<PathBuf, Strin
 }
 
 /// The driver that knows the exact answer, or why there is none.
-pub(crate) fn oracle(workspace: &Workspace) -> Result<PathBuf, String> {
+pub(crate) fn oracle(workspace: &CargoWorkspace) -> Result<PathBuf, String> {
     driver("oracle", workspace).map_err(|why| format!("{why}; answers are not checked"))
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn versions() -> Vec<(&'static str, String)> {
 }
 
 impl Driver {
-    fn program(&self, workspace: &Workspace) -> Result<PathBuf, String> {
+    fn program(&self, workspace: &CargoWorkspace) -> Result<PathBuf, String> {
         let missing = |package: &&&str| version(package).is_none();
         if let Some(package) = self.packages.iter().find(missing) {
             let all = self.packages.join(" ");
@@ -101,7 +101,7 @@ impl Driver {
         self.compile(workspace).map_err(|fault| format!("{}: left out: {fault:#}", self.name))
     }
 
-    fn compile(&self, workspace: &Workspace) -> Result<PathBuf> {
+    fn compile(&self, workspace: &CargoWorkspace) -> Result<PathBuf> {
         let folder = workspace.target.join("peers");
         fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         let (sources, program) = (workspace.root.join("tools/peers"), folder.join(self.name));
@@ -139,7 +139,7 @@ fn version(package: &str) -> Option<String> {
 }
 
 /// In a folder of its own, because it is compiled for this machine alone.
-fn parry(workspace: &Workspace, name: &str) -> Result<PathBuf> {
+fn parry(workspace: &CargoWorkspace, name: &str) -> Result<PathBuf> {
     built::executable(
         cargo()
             .args(["build", "--profile", "peer", "--package", "trolley-tools"])

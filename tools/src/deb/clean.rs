@@ -1,8 +1,8 @@
 //! Clean systems: the smallest that Debian has, of which nothing that is tried changes a file.
 
 use crate::aarch64::{Root, bootstrap, namespaced};
-use crate::built::{Workspace, output};
 use anyhow::{Context as _, Result, bail};
+use check::built::{CargoWorkspace, output};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -46,7 +46,7 @@ pub(crate) struct Clean {
 
 impl Clean {
     /// This machine's own release, since the package needs its libc.
-    pub(crate) fn amd64(workspace: &Workspace) -> Result<Self> {
+    pub(crate) fn amd64(workspace: &CargoWorkspace) -> Result<Self> {
         let release = fs::read_to_string("/etc/os-release").context("/etc/os-release")?;
         let field = |key: &str| {
             let line = release.lines().find_map(|line| line.strip_prefix(key));

@@ -2,9 +2,9 @@
 
 use super::clean::field;
 use super::{PROGRAM_MOST, Packages, Tried};
-use crate::built::Workspace;
 use crate::machine;
 use anyhow::Result;
+use check::built::CargoWorkspace;
 use std::fmt::{self, Display, Formatter};
 
 /// What a reader must not take from it.
@@ -21,7 +21,7 @@ pub(crate) struct Page<'a> {
 impl<'a> Page<'a> {
     /// Asks the packages.
     pub(crate) fn new(
-        workspace: &Workspace,
+        workspace: &CargoWorkspace,
         packages: &[&'a Packages],
         tried: &'a [Tried],
     ) -> Result<Self> {

@@ -9,8 +9,8 @@
 //! known from the lints, sources are those just packed, and no code is generated: what is missing
 //! in an archive is missed by the compiler's front end.
 
-use crate::built::Workspace;
-use crate::step::{Outcome, Step, cargo, now};
+use crate::built::CargoWorkspace;
+use crate::step::{CheckStep, StepOutcome, cargo, now};
 use anyhow::{Context as _, Result, ensure};
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -20,8 +20,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Runs the step that packs, and checks what it packed.
-pub(crate) fn run(pack: &Step, out: &mut impl Write) -> Result<Outcome> {
-    let workspace = Workspace::find()?;
+///
+/// # Errors
+///
+/// If cargo or tar cannot be started, or a folder of the build cannot be written.
+pub fn run(pack: &CheckStep, out: &mut impl Write) -> Result<StepOutcome> {
+    let workspace = CargoWorkspace::find()?;
     let archives = workspace.target.join("package");
     // None of packages that are gone.
     clear(&archives)?;
@@ -47,7 +51,7 @@ pub(crate) fn run(pack: &Step, out: &mut impl Write) -> Result<Outcome> {
         check.args(["check", "--quiet", "--offline", "--package", package]);
         check.current_dir(&folder).env("CARGO_TARGET_DIR", &workspace.target);
         let done = check.stdin(Stdio::null()).output().context("cannot start cargo check")?;
-        checked = Outcome::of(done);
+        checked = StepOutcome::of(done);
         if checked.failure().is_some() {
             let seconds = begun.elapsed().as_secs_f64();
             writeln!(out, "FAILED {seconds:.1} s\n{}in {package}", checked.said())?;

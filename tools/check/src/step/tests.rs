@@ -13,17 +13,17 @@ test result: ok. 3 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; fini
 test result: FAILED. 10 passed; 2 failed; 0 ignored; 0 measured; 5 filtered out; finished in 1.2s
 test result: I made this up
 ";
-    let mut sum = Tally::default();
-    for tally in said.lines().filter_map(Tally::of) {
+    let mut sum = TestTally::default();
+    for tally in said.lines().filter_map(TestTally::of) {
         sum.add(&tally);
     }
-    assert_eq!(sum, Tally { runners: 2, passed: 13, failed: 2, ignored: 1 });
+    assert_eq!(sum, TestTally { runners: 2, passed: 13, failed: 2, ignored: 1 });
     assert_eq!(sum.to_string(), "2 runners: 13 passed, 2 failed, 1 ignored");
 }
 
 #[test]
 fn a_good_step_is_one_line() -> Result<()> {
-    let step = Step { name: "version", args: &["--version"], env: &[] };
+    let step = CheckStep::cargo("version", &["--version"]);
     let mut out = Vec::new();
     assert!(step.run(&mut out)?.failure().is_none());
     let said = String::from_utf8(out)?;
@@ -34,7 +34,7 @@ fn a_good_step_is_one_line() -> Result<()> {
 
 #[test]
 fn a_bad_step_shows_what_was_said_and_passes_its_exit_code_on() -> Result<()> {
-    let step = Step { name: "bad", args: &["no-such-command-as-this"], env: &[] };
+    let step = CheckStep::cargo("bad", &["no-such-command-as-this"]);
     let mut out = Vec::new();
     let failure = step.run(&mut out)?.failure();
     // Cargo's own exit code for whatever it cannot do.
@@ -57,7 +57,7 @@ fn a_step_that_waits_for_another_cargo_says_so() -> Result<()> {
     let in_package = |command: &mut Command| {
         command.current_dir(package.path()).env("CARGO_TARGET_DIR", &target);
     };
-    let step = Step { name: "check", args: &["check", "--offline"], env: &[] };
+    let step = CheckStep::cargo("check", &["check", "--offline"]);
     let mut out = Vec::new();
     assert!(step.run_with(in_package, &mut out)?.failure().is_none());
     assert!(!String::from_utf8(out)?.contains("waits"), "nobody holds the lock");
@@ -83,7 +83,8 @@ fn a_step_that_waits_for_another_cargo_says_so() -> Result<()> {
 #[test]
 fn a_step_sees_its_own_environment_beside_ours() -> Result<()> {
     // A wrong setting of cargo makes it fail, so it must have arrived.
-    let step = Step { name: "env", args: &["help"], env: &[("CARGO_TERM_COLOR", "mauve")] };
+    let step =
+        CheckStep { env: &[("CARGO_TERM_COLOR", "mauve")], ..CheckStep::cargo("env", &["help"]) };
     let mut out = Vec::new();
     assert!(step.run(&mut out)?.failure().is_some());
     assert!(String::from_utf8(out)?.contains("mauve"));

@@ -1,6 +1,6 @@
 //! `cargo x needs`: the tables of `tools/safety` as `needs.json`, which sphinx-needs imports.
 
-use crate::built::{Workspace, write};
+use crate::built::{CargoWorkspace, write};
 use anyhow::{Context as _, Result};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 /// Where it is written.
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub struct NeedsOptions {
     /// The file [default: needs.json in the target folder].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -30,8 +30,12 @@ const TABLES: [(&str, &str, &str); 3] = [
 ];
 
 /// Writes the file.
-pub(crate) fn run(options: &Options) -> Result<ExitCode> {
-    let workspace = Workspace::find()?;
+///
+/// # Errors
+///
+/// If a table cannot be read, has an entry without an id, or the file cannot be written.
+pub fn run(options: &NeedsOptions) -> Result<ExitCode> {
+    let workspace = CargoWorkspace::find()?;
     let version = env!("CARGO_PKG_VERSION");
     let mut needs = Map::new();
     for (file, key, kind) in TABLES {
@@ -62,8 +66,12 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode> {
 }
 
 /// The tests of requirements that did not pass in a run of which this is the output.
-pub(crate) fn not_run(said: &str) -> Result<Vec<String>> {
-    let path = Workspace::find()?.root.join("tools/safety/requirements.toml");
+///
+/// # Errors
+///
+/// If the table of requirements cannot be read.
+pub fn not_run(said: &str) -> Result<Vec<String>> {
+    let path = CargoWorkspace::find()?.root.join("tools/safety/requirements.toml");
     let table: toml::Table = toml::from_str(&fs::read_to_string(path)?)?;
     let passed = passed(said);
     let list = |entry: &toml::Value| entry["tests"].as_array().cloned().unwrap_or_default();

@@ -9,16 +9,20 @@ use std::process::{Command, Stdio};
 
 /// Folders of the workspace and of its build.
 #[derive(Debug)]
-pub(crate) struct Workspace {
+pub struct CargoWorkspace {
     /// Its root.
-    pub(crate) root: PathBuf,
+    pub root: PathBuf,
     /// Cargo's target folder.
-    pub(crate) target: PathBuf,
+    pub target: PathBuf,
 }
 
-impl Workspace {
+impl CargoWorkspace {
     /// Asks cargo.
-    pub(crate) fn find() -> Result<Self> {
+    ///
+    /// # Errors
+    ///
+    /// If cargo cannot be asked.
+    pub fn find() -> Result<Self> {
         let said = output(cargo().args(["metadata", "--no-deps", "--format-version", "1"]))?;
         let known: Value = serde_json::from_str(&said).context("cargo metadata")?;
         let folder = |key: &str| known[key].as_str().map(PathBuf::from).context("cargo metadata");
@@ -28,7 +32,11 @@ impl Workspace {
 
 /// Has cargo build one program; `command` starts cargo with all that it needs to know but the
 /// format of its messages.
-pub(crate) fn executable(command: &mut Command) -> Result<PathBuf> {
+///
+/// # Errors
+///
+/// If it does not build.
+pub fn executable(command: &mut Command) -> Result<PathBuf> {
     let said = output(command.arg("--message-format=json-render-diagnostics"))?;
     let messages = said.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     let mut made = messages.filter_map(|message| Some(message["executable"].as_str()?.into()));
@@ -36,7 +44,11 @@ pub(crate) fn executable(command: &mut Command) -> Result<PathBuf> {
 }
 
 /// Output of a command, if it succeeds; its stderr goes to the terminal.
-pub(crate) fn output(command: &mut Command) -> Result<String> {
+///
+/// # Errors
+///
+/// If it cannot be started, fails, or writes what is no text.
+pub fn output(command: &mut Command) -> Result<String> {
     let done = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let done = done.with_context(|| format!("cannot start {command:?}"))?;
     if !done.status.success() {
@@ -46,7 +58,11 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
 }
 
 /// Writes a file, creating its folder if missing.
-pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
+///
+/// # Errors
+///
+/// If it cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().context("a file without a folder")?;
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     fs::write(path, text).with_context(|| path.display().to_string())

@@ -1,4 +1,5 @@
-//! One run of cargo: prints a line with its time on success, its whole output on failure.
+//! One run of cargo, or of what it has built: prints a line with its time on success, its whole
+//! output on failure.
 //!
 //! The summary lines of test runners are always shown, and so are tests skipped because a tool is
 //! missing, and that cargo waits for another one.
@@ -6,6 +7,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::built::CargoWorkspace;
 use anyhow::{Context as _, Result};
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader, Write};
@@ -14,69 +16,111 @@ use std::time::Instant;
 
 /// What to run.
 #[derive(Debug)]
-pub(crate) struct Step {
+pub struct CheckStep {
     /// Its name in the output.
-    pub(crate) name: &'static str,
-    /// Arguments of cargo.
-    pub(crate) args: &'static [&'static str],
+    pub name: &'static str,
+    /// What is run.
+    pub program: Program,
+    /// Its arguments.
+    pub args: &'static [&'static str],
     /// Additional environment variables.
-    pub(crate) env: &'static [(&'static str, &'static str)],
+    pub env: &'static [(&'static str, &'static str)],
+}
+
+/// What a step runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// The cargo that started us.
+    Cargo,
+    /// An example of this name, as the tests have built it: `cargo run` would build it anew, with
+    /// the features of its package alone.
+    Example(&'static str),
 }
 
 /// The outcome, and all that was said.
 #[derive(Debug)]
-pub(crate) struct Outcome(ExitStatus, Vec<u8>);
+pub struct StepOutcome(ExitStatus, Vec<u8>);
 
-impl Outcome {
+impl StepOutcome {
     /// The outcome of a command whose output was kept.
-    pub(crate) fn of(Output { status, mut stdout, stderr }: Output) -> Self {
+    #[must_use]
+    pub fn of(Output { status, mut stdout, stderr }: Output) -> Self {
         stdout.extend(stderr);
         Self(status, stdout)
     }
 
     /// The exit code to pass on; `None` if all was well.
-    pub(crate) fn failure(&self) -> Option<ExitCode> {
+    #[must_use]
+    pub fn failure(&self) -> Option<ExitCode> {
         // A signal has no exit code.
         let code = || self.0.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
         (!self.0.success()).then(|| ExitCode::from(code()))
     }
 
     /// What it said, on both streams.
-    pub(crate) fn said(&self) -> std::borrow::Cow<'_, str> {
+    #[must_use]
+    pub fn said(&self) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(&self.1)
     }
 }
 
-impl Step {
+impl CheckStep {
+    /// A run of cargo.
+    #[must_use]
+    pub const fn cargo(name: &'static str, args: &'static [&'static str]) -> Self {
+        Self { name, program: Program::Cargo, args, env: &[] }
+    }
+
+    /// A run of an example.
+    #[must_use]
+    pub const fn example(example: &'static str, args: &'static [&'static str]) -> Self {
+        Self { name: "example", program: Program::Example(example), args, env: &[] }
+    }
+
     /// Runs it to its end, reporting to `out`.
-    pub(crate) fn run(&self, out: &mut impl Write) -> Result<Outcome> {
+    ///
+    /// # Errors
+    ///
+    /// If the program cannot be started, or `out` cannot be written.
+    pub fn run(&self, out: &mut impl Write) -> Result<StepOutcome> {
         self.run_with(|_cargo| {}, out)
     }
 
     /// Like [`Self::run`], with what `adapt` adds to the command, which is not printed.
-    fn run_with(&self, adapt: impl FnOnce(&mut Command), out: &mut impl Write) -> Result<Outcome> {
-        let mut command = cargo();
+    fn run_with(
+        &self,
+        adapt: impl FnOnce(&mut Command),
+        out: &mut impl Write,
+    ) -> Result<StepOutcome> {
+        let (program, mut command) = match self.program {
+            Program::Cargo => ("cargo", cargo()),
+            Program::Example(name) => {
+                let built = CargoWorkspace::find()?.target.join("debug/examples").join(name);
+                (name, Command::new(built))
+            }
+        };
         command.args(self.args).envs(self.env.iter().copied());
         adapt(&mut command);
-        let line = self.args.join(" ");
+        let line = core::iter::once(&program).chain(self.args).copied().collect::<Vec<_>>();
+        let line = line.join(" ");
 
-        write!(out, "{:<7} cargo {line} ... ", self.name)?;
+        write!(out, "{:<7} {line} ... ", self.name)?;
         out.flush()?;
         let start = now();
         // One pipe for both streams keeps their order.
         let (reader, writer) = io::pipe()?;
         command.stdin(Stdio::null()).stdout(writer.try_clone()?).stderr(writer);
-        let mut child = command.spawn().with_context(|| format!("cannot start cargo {line}"))?;
+        let mut child = command.spawn().with_context(|| format!("cannot start {line}"))?;
         // It holds the last writing ends but the child's: without them, reading comes to an end.
         drop(command);
 
         let mut said = Vec::new();
-        let (mut tests, mut has_shown) = (Tally::default(), false);
+        let (mut tests, mut has_shown) = (TestTally::default(), false);
         let mut reader = BufReader::new(reader);
         let mut from = 0;
         while reader.read_until(b'\n', &mut said)? > 0 {
             let text = String::from_utf8_lossy(&said[from..]);
-            let closing = Tally::of(&text);
+            let closing = TestTally::of(&text);
             let shown = if closing.is_some() { Some(&*text) } else { skipped(&text) };
             let waits = waits(&text);
             let shown = shown.or(waits.as_deref());
@@ -98,19 +142,35 @@ impl Step {
         writeln!(out, "{} {seconds:.1} s", if status.success() { "ok" } else { "FAILED" })?;
         if !status.success() {
             out.write_all(&said)?;
-            writeln!(out, "{:<7} cargo {line}: {status}", self.name)?;
+            writeln!(out, "{:<7} {line}: {status}", self.name)?;
         }
-        Ok(Outcome(status, said))
+        Ok(StepOutcome(status, said))
     }
 }
 
+/// Runs a command with the streams of this one; its exit code is ours.
+///
+/// # Errors
+///
+/// If it cannot be started.
+pub fn pass_on(command: &mut Command) -> Result<ExitCode> {
+    let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
+    let stdout = Vec::new();
+    Ok(StepOutcome::of(Output { status, stdout, stderr: Vec::new() })
+        .failure()
+        .unwrap_or(ExitCode::SUCCESS))
+}
+
 /// The cargo that started us.
-pub(crate) fn cargo() -> Command {
+#[must_use]
+pub fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
 }
 
+/// When a step begins.
 #[expect(clippy::disallowed_methods, reason = "for a person to read; nothing is decided by it")]
-pub(crate) fn now() -> Instant {
+#[must_use]
+pub fn now() -> Instant {
     Instant::now()
 }
 
@@ -129,21 +189,22 @@ fn skipped(line: &str) -> Option<&str> {
 
 /// Sums over the closing lines of test runners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub struct TestTally {
     /// Closing lines.
-    pub(crate) runners: u64,
+    pub runners: u64,
     /// Tests that passed.
-    pub(crate) passed: u64,
+    pub passed: u64,
     /// Tests that failed.
-    pub(crate) failed: u64,
+    pub failed: u64,
     /// Tests that were left out.
-    pub(crate) ignored: u64,
+    pub ignored: u64,
 }
 
-impl Tally {
+impl TestTally {
     /// What a line says, if it is a closing line:
     /// `test result: ok. 3 passed; 0 failed; 1 ignored; ...`.
-    pub(crate) fn of(line: &str) -> Option<Self> {
+    #[must_use]
+    pub fn of(line: &str) -> Option<Self> {
         let (_verdict, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
         let count = |what: &str| {
             let mut counts = counts.split(';').filter_map(|part| part.trim().split_once(' '));
@@ -154,7 +215,7 @@ impl Tally {
     }
 
     /// Adds another sum.
-    pub(crate) fn add(&mut self, other: &Self) {
+    pub fn add(&mut self, other: &Self) {
         self.runners += other.runners;
         self.passed += other.passed;
         self.failed += other.failed;
@@ -162,12 +223,13 @@ impl Tally {
     }
 
     /// Whether there was no closing line.
-    pub(crate) fn is_empty(&self) -> bool {
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
         self.runners == 0
     }
 }
 
-impl std::fmt::Display for Tally {
+impl std::fmt::Display for TestTally {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { runners, passed, failed, ignored } = self;
         write!(f, "{runners} runners: {passed} passed, {failed} failed, {ignored} ignored")
