@@ -10,6 +10,7 @@
 //! depend on how flat faces are cut into triangles, but for [`TOLERANCE_M`].
 
 use crate::{BodyKind, Mesh};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 mod region;
@@ -69,6 +70,9 @@ pub fn is_weak(name: &str) -> bool {
 impl Outlines {
     /// The outlines of a mesh.
     ///
+    /// In a thread of a pool of rayon, all threads of that pool share the bands; which of them does
+    /// what changes nothing.
+    ///
     /// Where a whole band of a vehicle is weak, as its wheels near the ground are, it is left out.
     /// Where that holds for the whole body, nothing is weak.
     #[must_use]
@@ -99,17 +103,22 @@ impl Outlines {
         let ends: Vec<f64> =
             core::iter::once(low).chain(edges[..last].iter().copied()).chain([high]).collect();
         let bands: Vec<_> = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-        let mut sections = section::of(&corners, &bands, &grid);
-        for region in &mut sections {
-            *region = region.thinned(&grid, 0.25 * TOLERANCE_M);
-        }
+        let region = |band: &[f64; 2]| {
+            let covered = section::of(&corners, *band, &grid).thinned(&grid, 0.25 * TOLERANCE_M);
+            covered.closed(&grid, GAP_M).opened(&grid, weak_m)
+        };
+        let regions: Vec<_> = if rayon::current_thread_index().is_some() {
+            bands.par_iter().map(region).collect()
+        } else {
+            bands.iter().map(region).collect()
+        };
         let mut tolerance_m = TOLERANCE_M;
         loop {
-            let band = |(height_m, region): (&[f64; 2], &region::Region)| {
-                let rings = region.closed(&grid, GAP_M).opened(&grid, weak_m);
-                Band { height_m: *height_m, rings: rings.rings(&grid, tolerance_m) }
+            let band = |(height_m, region): (&[f64; 2], &region::Region)| Band {
+                height_m: *height_m,
+                rings: region.rings(&grid, tolerance_m),
             };
-            let made: Vec<_> = bands.iter().zip(&sections).map(band).collect();
+            let made: Vec<_> = bands.iter().zip(&regions).map(band).collect();
             let points: usize = made.iter().flat_map(|band| &band.rings).map(Vec::len).sum();
             if points <= POINTS_MAX || tolerance_m > 1.0 {
                 let kept = made.into_iter().filter(|band| !band.rings.is_empty());

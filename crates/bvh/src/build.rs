@@ -19,6 +19,7 @@ pub(crate) use assemble::assembled;
 pub use assemble::{body, rebuild};
 pub use error::BuildError;
 pub use grow::worth_starting;
+pub use thread_pool::in_threads;
 
 use body::Node;
 use geometry::Corners;

@@ -48,7 +48,9 @@ mod descent;
 mod float_order;
 mod hits;
 
-pub use build::{Build, BuildError, BuildOptions, Hierarchy, body, build, rebuild, worth_starting};
+pub use build::{
+    Build, BuildError, BuildOptions, Hierarchy, body, build, in_threads, rebuild, worth_starting,
+};
 pub use front::{NodePair, front, front_where};
 pub use kernel::sweep::{OpenPair, SweepKernel, SweepLimits, SweepSink, SweepTask, Witness};
 pub use kernel::{End, Kernel, Outcome, Question, Side, Sink, Task, Walk};

@@ -370,8 +370,10 @@ pub fn generate(
         origin: &origin,
         hash: hash.as_str(),
     };
-    let meta = defaults::assemble(origin, &mesh);
-    with_tree(mesh, meta, options, progress)
+    bvh::in_threads(options.threads, mesh.corners.len(), || {
+        let meta = defaults::assemble(origin, &mesh);
+        with_tree(mesh, meta, options, progress)
+    })
 }
 
 /// Makes a body of a mesh: adds zones, and builds its tree. `progress` as in [`generate`].

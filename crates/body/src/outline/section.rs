@@ -20,54 +20,34 @@ const SEGMENTS_MAX: usize = 200_000;
 
 type Triangle = [[f64; 3]; 3];
 
-/// The region of each band.
-pub(super) fn of(corners: &[Triangle], bands: &[[f64; 2]], grid: &Grid) -> Vec<Region> {
-    let height = |band: &[f64; 2], k: usize| {
-        band[0] + (band[1] - band[0]) * (k as f64 + 0.5) / SECTIONS as f64
-    };
-    let heights: Vec<f64> =
-        bands.iter().flat_map(|band| (0..SECTIONS).map(|k| height(band, k))).collect();
-    let mut cuts: Vec<Vec<[Point; 2]>> = vec![Vec::new(); heights.len()];
-    for triangle in corners {
-        let (low, high) = span(triangle);
+/// The region of a band.
+pub(super) fn of(corners: &[Triangle], band: [f64; 2], grid: &Grid) -> Region {
+    let spans = || corners.iter().map(|triangle| (triangle, span(triangle)));
+    let height = |k: usize| band[0] + (band[1] - band[0]) * (k as f64 + 0.5) / SECTIONS as f64;
+    let heights: [f64; SECTIONS] = core::array::from_fn(height);
+    let mut cuts: [Vec<[Point; 2]>; SECTIONS] = Default::default();
+    for (triangle, (low, high)) in spans() {
         let from = heights.partition_point(|z| *z <= low);
         for (z, cut) in heights.iter().zip(&mut cuts).skip(from).take_while(|(z, _)| **z <= high) {
             cut.extend(crossing(triangle, *z, grid));
         }
     }
-    let mut regions: Vec<Region> = cuts
-        .chunks(SECTIONS)
-        .map(|cuts| {
-            let pieces: Vec<_> = cuts.iter().flat_map(|cut| rings(cut, grid)).collect();
-            Region::union(fewer(pieces, grid), grid)
-        })
-        .collect();
-    let inside: Vec<_> = regions.iter().map(|region| region.inside(grid, NEAR_M)).collect();
-    let mut missed: Vec<Vec<Vec<Point>>> = vec![Vec::new(); bands.len()];
-    for triangle in corners {
-        let (low, high) = span(triangle);
-        let from = bands.partition_point(|band| band[1] < low);
-        for (k, band) in bands.iter().enumerate().skip(from) {
-            if band[0] > high {
-                break;
-            }
-            // Most triangles lie in one band and inside of its sections.
-            let is_in = |p: &[f64; 3]| inside[k].holds(grid.cell(p[0], p[1]));
-            if triangle.iter().all(is_in) {
-                continue;
-            }
-            let part = between(triangle, *band);
-            if !part.iter().all(is_in) {
-                missed[k].push(part.iter().map(|p| grid.cell(p[0], p[1])).collect());
-            }
+    let pieces: Vec<_> = cuts.iter().flat_map(|cut| rings(cut, grid)).collect();
+    let region = Region::union(fewer(pieces, grid), grid);
+    let inside = region.inside(grid, NEAR_M);
+    let is_in = |p: &[f64; 3]| inside.holds(grid.cell(p[0], p[1]));
+    let mut missed: Vec<Vec<Point>> = Vec::new();
+    for (triangle, (low, high)) in spans() {
+        // Most triangles of the band lie inside of its sections.
+        if high < band[0] || low > band[1] || triangle.iter().all(is_in) {
+            continue;
+        }
+        let part = between(triangle, band);
+        if !part.iter().all(is_in) {
+            missed.push(part.iter().map(|p| grid.cell(p[0], p[1])).collect());
         }
     }
-    for (region, missed) in regions.iter_mut().zip(missed) {
-        if !missed.is_empty() {
-            *region = region.and(fewer(missed, grid), grid);
-        }
-    }
-    regions
+    if missed.is_empty() { region } else { region.and(fewer(missed, grid), grid) }
 }
 
 /// The same pieces, or squares that stand for too many of them.

@@ -64,6 +64,24 @@ fn areas(outlines: &Outlines) -> Vec<f64> {
 }
 
 #[test]
+fn threads_that_share_the_bands_change_nothing() {
+    // A roof that leans: what lies between sections is missed by them.
+    let mut corners = prism(&CAR, [0.0, 1.5], 8, true);
+    for point in corners.iter_mut().flatten() {
+        point[2] *= 1.0 + 0.2 * point[0];
+    }
+    for kind in [BodyKind::Sedan, BodyKind::Wall] {
+        let alone = Outlines::of(&mesh(corners.clone()), kind);
+        assert!(alone.bands.len() > 5, "{} bands", alone.bands.len());
+        for threads in 1..4 {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let shared = pool.install(|| Outlines::of(&mesh(corners.clone()), kind));
+            assert_eq!(shared, alone, "{threads} threads");
+        }
+    }
+}
+
+#[test]
 fn a_prism_has_its_own_outline_in_every_band() {
     let outlines = Outlines::of(&mesh(prism(&CAR, [0.2, 1.5], 1, true)), BodyKind::Sedan);
     assert_eq!(outlines.bands.len(), 7);

@@ -5,12 +5,26 @@
 //! two-core virtual machine this happened to up to 4 threads of 10. Nor do they sleep between
 //! steps: there, waking one took up to 4 ms, as long as a tenth of a tree of 100,000 triangles.
 
+use super::grow::worth_starting;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Fewer small items are not worth another thread.
 const SHARE_MIN: usize = 1024;
+
+/// Runs `work` in one of as many threads as are worth starting for `count` triangles, of at most
+/// `threads`: what it makes of a body, its outlines and its tree, is made by all of them. Without
+/// threads where one is enough, or the system does not grant them; in the caller's pool if it is in
+/// one.
+pub fn in_threads<R: Send>(threads: usize, count: usize, work: impl FnOnce() -> R + Send) -> R {
+    let threads = worth_starting(threads, count);
+    if threads < 2 || rayon::current_thread_index().is_some() {
+        return work();
+    }
+    let Ok(pool) = ThreadPoolBuilder::new().num_threads(threads).build() else { return work() };
+    pool.install(work)
+}
 
 /// Threads of one rayon pool, or only the caller. It exists only inside [`BuildPool::with`], where
 /// it is the current pool of rayon's functions.

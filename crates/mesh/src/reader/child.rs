@@ -195,7 +195,8 @@ impl ReadRequest {
             origin: &report.origin,
             hash: &report.hash,
         };
-        let mut meta = defaults::assemble(origin, &mesh);
+        let assemble = || defaults::assemble(origin, &mesh);
+        let mut meta = builders.map_or_else(assemble, |threads| threads.install(assemble));
         if let Some(side) = side {
             side.apply(&mut meta, &mesh.bounds())?;
         }

@@ -205,11 +205,13 @@ pub(super) fn stretched(
         origin: &format!("{}, stretched", meta.origin),
         hash: &meta.origin_hash,
     };
-    let mut new = defaults::assemble(origin, &mesh);
-    if !meta.mass_source.starts_with("default") {
-        new.mass_kg = meta.mass_kg;
-        new.mass_source.clone_from(&meta.mass_source);
-    }
-    new.occupants.clone_from(&meta.occupants);
-    with_tree(mesh, new, options, &|_| {})
+    bvh::in_threads(options.threads, mesh.corners.len(), || {
+        let mut new = defaults::assemble(origin, &mesh);
+        if !meta.mass_source.starts_with("default") {
+            new.mass_kg = meta.mass_kg;
+            new.mass_source.clone_from(&meta.mass_source);
+        }
+        new.occupants.clone_from(&meta.occupants);
+        with_tree(mesh, new, options, &|_| {})
+    })
 }

@@ -1,6 +1,6 @@
 //! Invariants of build pools: everything is done once, in order, and no thread is left behind.
 
-use super::BuildPool;
+use super::{BuildPool, in_threads};
 use rayon::ThreadPoolBuilder;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -65,4 +65,14 @@ fn a_panic_ends_the_work_and_nothing_else() {
             assert_eq!(pool.install(doubled), [2, 4, 6]);
         }
     }
+}
+
+#[test]
+fn work_is_done_in_as_many_threads_as_are_worth_starting() {
+    let threads = || rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads());
+    assert_eq!(in_threads(3, 1_000_000, threads), 3);
+    assert_eq!(in_threads(3, 10, threads), 1);
+    assert_eq!(in_threads(1, 1_000_000, threads), 1);
+    // The pool that is there already does it.
+    assert_eq!(in_threads(2, 1_000_000, || in_threads(3, 1_000_000, threads)), 2);
 }
