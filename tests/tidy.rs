@@ -105,7 +105,7 @@ const ALONE: &[(&str, &[&str])] = &[
     ("gltf", &["mesh"]),
     ("earcut", &["mesh"]),
     ("robust", &["geometry"]),
-    ("clap", &["cli", "check", "tools"]),
+    ("clap", &["cli", "tools"]),
     ("kuva", &["lab"]),
     ("parquet", &["columns", "cli"]),
     ("glob", &["study"]),

@@ -226,7 +226,7 @@ fn inline(page: &str) -> Vec<String> {
 /// Checks that `cargo x` has a task, and its flags: the names of its types and fields.
 fn assert_task(line: &str) {
     let mut source = String::new();
-    let mut folders = vec![root().join("tools/src"), root().join("tools/check/src")];
+    let mut folders = vec![root().join("tools/src")];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

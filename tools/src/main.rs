@@ -15,12 +15,13 @@ mod gallery;
 mod inputs;
 mod machine;
 mod mutants;
+mod needs;
 mod oracle;
 mod scenarios;
 mod wheel;
 
 use anyhow::Result;
-use check::{safety, steps};
+use check::steps;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -121,7 +122,7 @@ enum Task {
     /// tools/results/deb.md.
     Deb(deb::Options),
     /// Write requirements, assumptions and failure modes as needs.json, for sphinx-needs.
-    Needs(safety::NeedsOptions),
+    Needs(needs::Options),
     /// Change dispatcher and ranking in small ways, each of which a test must notice.
     ///
     /// Needs cargo-mutants. What an earlier run caught is not tried again. Fails if a change that
@@ -162,7 +163,7 @@ fn main() -> Result<ExitCode> {
         Task::Inputs(options) => inputs::run(&options),
         Task::Aarch64(options) => aarch64::run(&options),
         Task::Deb(options) => deb::run(&options),
-        Task::Needs(options) => safety::run(&options),
+        Task::Needs(options) => needs::run(&options),
         Task::Mutants(options) => mutants::run(&options),
         Task::Gallery(options) => gallery::run(&options),
         Task::Wheel(options) => wheel::run(&options),

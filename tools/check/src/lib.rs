@@ -1,7 +1,7 @@
 //! The steps that a change must pass, and what runs them: cargo, step by step.
 //!
-//! It uses none of the crates that it checks, so that `cargo x check` begins after the better part
-//! of a minute from an empty clone, instead of building the library once more for itself.
+//! It uses none of the crates that it checks, so that `cargo x check` begins half a minute after an
+//! empty clone was made, instead of building the library once more for itself.
 
 pub mod built;
 pub mod packages;

@@ -52,9 +52,7 @@ impl StepOutcome {
     /// The exit code to pass on; `None` if all was well.
     #[must_use]
     pub fn failure(&self) -> Option<ExitCode> {
-        // A signal has no exit code.
-        let code = || self.0.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
-        (!self.0.success()).then(|| ExitCode::from(code()))
+        failure(self.0)
     }
 
     /// What it said, on both streams.
@@ -155,16 +153,20 @@ impl CheckStep {
 /// If it cannot be started.
 pub fn pass_on(command: &mut Command) -> Result<ExitCode> {
     let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
-    let stdout = Vec::new();
-    Ok(StepOutcome::of(Output { status, stdout, stderr: Vec::new() })
-        .failure()
-        .unwrap_or(ExitCode::SUCCESS))
+    Ok(failure(status).unwrap_or(ExitCode::SUCCESS))
 }
 
 /// The cargo that started us.
 #[must_use]
 pub fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
+}
+
+/// The exit code to pass on; `None` if all was well.
+fn failure(status: ExitStatus) -> Option<ExitCode> {
+    // A signal has no exit code.
+    let code = || status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+    (!status.success()).then(|| ExitCode::from(code()))
 }
 
 /// When a step begins.

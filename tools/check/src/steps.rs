@@ -34,8 +34,8 @@ pub const STEPS: &[CheckStep] = &[
 const STEP: &str = "crates/trolley/examples/data/step.stl";
 const POLE: &str = "crates/trolley/examples/data/pole.stl";
 
-/// Every package, as it would be published, but for those that never are: they use each other, and
-/// cargo looks for that on crates.io. [`packages`] checks what is in them.
+/// Every package, as it would be published. Those of `tools` never are, and use each other, which
+/// cargo looks for where they would be. [`packages`] checks what is in them.
 const PACKAGE: CheckStep = CheckStep::cargo(
     "package",
     &[

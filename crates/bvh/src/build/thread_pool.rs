@@ -18,7 +18,12 @@ const SHARE_MIN: usize = 1024;
 /// threads where one is enough, or the system does not grant them; in the caller's pool if it is in
 /// one.
 pub fn in_threads<R: Send>(threads: usize, count: usize, work: impl FnOnce() -> R + Send) -> R {
-    let threads = worth_starting(threads, count);
+    in_pool(worth_starting(threads, count), work)
+}
+
+/// Runs `work` in one of so many threads: those of the caller's current pool, or new ones; without
+/// any if one is enough, or the system does not grant them.
+fn in_pool<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     if threads < 2 || rayon::current_thread_index().is_some() {
         return work();
     }
@@ -37,20 +42,16 @@ impl BuildPool {
     /// The caller alone.
     pub(super) const ALONE: Self = Self { threads: 1 };
 
-    /// Runs `work` in one of `threads` threads while the others stay awake, so that parallel steps
-    /// start without a thread switch. The threads are those of the caller's current pool, or new
-    /// ones; only the caller if the system does not grant them, or if one is enough.
+    /// Runs `work` as [`in_pool`] does while the other threads stay awake, so that parallel steps
+    /// start without a thread switch.
     pub(super) fn with<R: Send>(threads: usize, work: impl FnOnce(&Self) -> R + Send) -> R {
         if threads < 2 {
             return work(&Self::ALONE);
         }
-        if rayon::current_thread_index().is_some() {
-            return Self { threads: rayon::current_num_threads() }.awake(work);
-        }
-        match ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) => pool.install(|| Self { threads }.awake(work)),
-            Err(_) => work(&Self::ALONE),
-        }
+        in_pool(threads, || match rayon::current_thread_index() {
+            Some(_) => Self { threads: rayon::current_num_threads() }.awake(work),
+            None => work(&Self::ALONE),
+        })
     }
 
     /// Runs `work` in this thread of the pool while the others stay awake.
