@@ -2,8 +2,11 @@
 
 use super::CHORDS;
 use super::footprint::PlacedBand;
+use beside::{Beside, Neighbour};
 use geometry::plan::distance_m;
 use smallvec::SmallVec;
+
+mod beside;
 
 /// Edges nearer than this (m) coincide.
 const SAME_M: f64 = 1e-7;
@@ -119,8 +122,6 @@ struct Edge {
     high: [f64; 2],
 }
 
-type Edges = SmallVec<[Edge; 32]>;
-
 /// The edges of one outline that lie beside an edge of the other: nothing else can cross it, or be
 /// met by a ray along u from a point on it.
 #[derive(Clone, Copy)]
@@ -230,103 +231,17 @@ impl Side<'_> {
 
 /// Two outlines that face each other: the edges of either that the other may reach.
 pub(super) struct Facing {
-    edges: [Edges; 2],
+    edges: [Vec<Edge>; 2],
     /// For each edge of A, and each of B, which of the other's lie beside it.
     beside: [Beside; 2],
     slabs: [f64; 2],
     /// For each edge of A, and of B: its place among those that are struck, once it is.
-    struck: [SmallVec<[Option<u32>; 32]>; 2],
+    struck: [Vec<Option<u32>>; 2],
     /// By how much B comes nearer at most (m).
     most_m: f64,
     /// Where A's edges end along u, and where B's begin (m).
     last_of_a: f64,
     first_of_b: f64,
-}
-
-/// A set of depths, by number.
-type Depths = u32;
-
-const _: () = assert!(CHORDS <= Depths::BITS as usize, "each depth has a bit");
-
-/// An edge that lies beside one of the other outline.
-#[derive(Clone, Copy)]
-struct Neighbour {
-    /// Its number: a body has at most [`body::outline::POINTS_MAX`].
-    number: u16,
-    /// At which depths the two may be nearer along u than edges that coincide.
-    meets: Depths,
-}
-
-impl Neighbour {
-    fn may_meet(&self, depth: usize) -> bool {
-        self.meets >> depth & 1 == 1
-    }
-}
-
-/// What lies beside the edges of an outline.
-#[derive(Default)]
-struct Beside {
-    neighbours: Vec<Neighbour>,
-    /// By edge.
-    rows: SmallVec<[Row; 32]>,
-}
-
-/// What lies beside an edge.
-#[derive(Clone, Copy)]
-struct Row {
-    /// Where its neighbours end.
-    end: u32,
-    /// At which depths one of them may meet it.
-    meets: Depths,
-    /// At which depths its middle lies inside of the other outline, where nothing meets it.
-    is_inside: Depths,
-}
-
-/// The depths at which edges of A and of B may meet along u, and those at which they have passed
-/// each other: both have a margin, as numbers are rounded.
-fn meeting(of_a: &Edge, of_b: &Edge, step_m: f64) -> [Depths; 2] {
-    let number = |travel_m: f64| travel_m / step_m.max(f64::MIN_POSITIVE) - 0.5;
-    let clamp = |number: f64| number.floor().clamp(0.0, CHORDS as f64) as u32;
-    let first = clamp(number(of_b.low[0] - of_a.high[0] - 2.0 * SAME_M));
-    let passed = clamp(number(of_b.high[0] - of_a.low[0] + 2.0 * SAME_M) + 2.0);
-    let below = |end: u32| ((1_u64 << end) - 1) as Depths;
-    [below(passed) & !below(first), below(CHORDS as u32) & !below(passed)]
-}
-
-impl Beside {
-    /// For each edge of A (`side` 0) or of B (1), the others that lie beside it.
-    fn of(side: usize, edges: &Edges, others: &Edges, step_m: f64) -> Self {
-        let mut beside = Self::default();
-        for edge in edges {
-            let [p, q] = edge.ends;
-            // As of the piece that is the whole edge.
-            let middle = 0.5 * (p[1] + (p[1] + (q[1] - p[1])));
-            let mut row = Row { end: 0, meets: 0, is_inside: 0 };
-            for (other, number) in others.iter().zip(0..=u16::MAX) {
-                if other.high[1] < edge.low[1] - SAME_M || other.low[1] > edge.high[1] + SAME_M {
-                    continue;
-                }
-                let [of_a, of_b] = if side == 0 { [edge, other] } else { [other, edge] };
-                let [meets, passed] = meeting(of_a, of_b, step_m);
-                beside.neighbours.push(Neighbour { number, meets });
-                row.meets |= meets;
-                // What is passed is crossed by a ray from A's edge against u, or from B's along u.
-                let [a, b] = other.ends;
-                if (a[1] > middle) != (b[1] > middle) {
-                    row.is_inside ^= passed;
-                }
-            }
-            row.end = beside.neighbours.len() as u32;
-            beside.rows.push(row);
-        }
-        beside
-    }
-
-    fn of_edge(&self, number: usize) -> (&[Neighbour], &Row) {
-        let from = number.checked_sub(1).map_or(0, |before| self.rows[before].end);
-        let row = &self.rows[number];
-        (&self.neighbours[from as usize..row.end as usize], row)
-    }
 }
 
 impl Facing {
@@ -341,18 +256,19 @@ impl Facing {
         if across[0] > across[1] || nearest > high_a[0] || furthest < low_b[0] {
             return None;
         }
-        let is_beside = |edge: &Edge| edge.high[1] >= across[0] && edge.low[1] <= across[1];
-        let all = |band: &PlacedBand| -> Edges {
+        let all = |band: &PlacedBand, is_within: &dyn Fn(&Edge) -> bool| {
+            let is_beside = |edge: &Edge| edge.high[1] >= across[0] && edge.low[1] <= across[1];
             let edges = edges(&band.rings).map(|(number, ends)| Edge::new(number, ends));
-            edges.filter(is_beside).collect()
+            let mut all = Vec::with_capacity(band.rings.iter().map(Vec::len).sum());
+            all.extend(edges.filter(|edge| is_beside(edge) && is_within(edge)));
+            all
         };
-        let (mut of_a, mut of_b) = (all(a), all(b));
-        of_a.retain(|edge| edge.high[0] >= nearest);
-        of_b.retain(|edge| edge.low[0] <= furthest);
+        let of_a = all(a, &|edge| edge.high[0] >= nearest);
+        let of_b = all(b, &|edge| edge.low[0] <= furthest);
         let step_m = most_m / CHORDS as f64;
         let beside = [Beside::of(0, &of_a, &of_b, step_m), Beside::of(1, &of_b, &of_a, step_m)];
         let slabs = [a.height_m[0], b.height_m[0]];
-        let struck = [&of_a, &of_b].map(|edges| SmallVec::from_elem(None, edges.len()));
+        let struck = [&of_a, &of_b].map(|edges| vec![None; edges.len()]);
         let last_of_a = of_a.iter().map(|edge| edge.high[0]).fold(f64::NEG_INFINITY, f64::max);
         let first_of_b = of_b.iter().map(|edge| edge.low[0]).fold(f64::INFINITY, f64::min);
         Some(Self { edges: [of_a, of_b], beside, slabs, struck, most_m, last_of_a, first_of_b })

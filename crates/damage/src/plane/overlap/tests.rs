@@ -1,5 +1,6 @@
 //! What is left out of a search for crossings changes no bit of an overlap.
 
+use super::beside::Depths;
 use super::*;
 use geometry::rng::Rng;
 
