@@ -74,8 +74,8 @@ struct Buffers {
 }
 
 /// Contacts that a thread assesses between two questions whether there is time, but for those of
-/// one world: a fraction of a millisecond.
-const ASSESSED_MOST: usize = 1_024;
+/// one world: about a millisecond, so that starting threads is little beside it.
+const ASSESSED_MOST: usize = 4_096;
 
 /// Worlds that a thread ranks at most between these.
 const WORLDS_MOST: usize = 8;
