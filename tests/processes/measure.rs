@@ -102,7 +102,7 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     let output = command.arg("--scenario").arg(path).output().expect("it can be started");
     assert!(output.status.success(), "{}", text(&output.stderr));
     let document = json(&output);
-    assert_eq!(document["schema"], "trolley.measure-virtual/1");
+    assert_eq!(document["schema"], "trolley.measure-virtual/2");
     let rows = document["rows"].as_array().unwrap();
     let cores: Vec<_> = rows.iter().map(|row| row["cores"].as_u64().unwrap()).collect();
     assert_eq!(cores, [2, 2, 4, 5]);

@@ -236,10 +236,13 @@ impl Encounters {
     /// another one; `shells` are those of the bodies.
     pub fn nested(&mut self, ways: &Ways<'_>, shells: [&Shells; 2], time_s: f64) -> Nested {
         let pose = ways.pose_at(time_s);
+        if may_be_nested(ways, &pose) { self.hidden(ways, shells, time_s) } else { Nested::No }
+    }
+
+    /// [`Encounters::nested`] of bodies that a look has found hidden.
+    pub fn hidden(&mut self, ways: &Ways<'_>, shells: [&Shells; 2], time_s: f64) -> Nested {
+        let pose = ways.pose_at(time_s);
         let [a, b] = ways.bodies;
-        if !may_be_nested(ways, &pose) {
-            return Nested::No;
-        }
         match containment(a, b, shells, &pose, &mut self.poses) {
             Ok(Containment::BInA | Containment::AInB) => {
                 let inside = pose.bounds(&b.bounds());

@@ -14,7 +14,7 @@ pub use bounds::{BoundsOptions, BoundsReport, bounds};
 pub use budget::{BudgetOptions, BudgetReport, budget};
 pub use coordinator::CourseFlaw;
 pub use deadline::{DeadlineOptions, DeadlineReport, deadline};
-pub use members::{CountRow, FamilyRow, MembersOptions, MembersReport, members};
+pub use members::{CountRow, FamilyRow, MembersOptions, MembersReport, WrongPairs, members};
 pub use share::{ShareOptions, ShareReport, share};
 
 /// Default maximum number of tests per job.

@@ -296,7 +296,7 @@ impl<'s> Way<'s> {
             }
             (Some(LookOutcome::Hidden), still) => {
                 let (ways, shells) = (self.ways(party), self.scenery.shells_of(party));
-                let nested = encounters.nested(&ways, shells, from_s);
+                let nested = encounters.hidden(&ways, shells, from_s);
                 match still.filter(|_| matches!(nested, Nested::Yes(_))) {
                     // Inside, without a triangle that touches, there is nothing to assess.
                     Some(still) => {

@@ -26,6 +26,8 @@ const MANY: u32 = 512;
 const APART: f64 = 0.1;
 /// The number of members whose cost is measured, and whose orders are judged.
 const USUAL: usize = 32;
+/// Rankings of which a time is the median.
+const TIMES: usize = 3;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -43,15 +45,15 @@ pub struct MembersOptions {
 pub struct CountRow {
     /// How many; 1: the scene as stated; 0: as many as a ranking takes.
     pub members: usize,
-    /// Pairs of candidates that are told apart, and those of them in the wrong order.
+    /// Pairs of candidates that the reference tells apart.
     pub pairs: u32,
-    /// See there.
-    pub misordered: u32,
-    /// The same of pairs whose order the reference knows: their difference is more than twice its
-    /// own sampling error.
+    /// Those of them.
+    pub wrong: WrongPairs,
+    /// Pairs whose order the reference knows: their difference is more than twice its own sampling
+    /// error.
     pub known_pairs: u32,
-    /// See there.
-    pub known_misordered: u32,
+    /// Those of them.
+    pub known_wrong: WrongPairs,
     /// Root mean square of the relative errors of expected harm, per cent.
     pub error_percent: f64,
     /// How much more harm the chosen candidates have than the best, of that of the best, per cent.
@@ -60,6 +62,30 @@ pub struct CountRow {
     pub other_winners: u32,
     /// Those of them whose winners differ by less than the printed sampling error.
     pub within_error: u32,
+}
+
+/// Pairs of candidates that do not come out in the order of the reference.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct WrongPairs {
+    /// In the other order.
+    pub misordered: u32,
+    /// Equal: most often, nobody is met by either.
+    pub equal: u32,
+}
+
+impl WrongPairs {
+    /// One pair, by how much one candidate is worse than the other by the reference, and as seen.
+    fn of(truth: f64, seen: f64) -> Self {
+        Self {
+            misordered: u32::from(truth * seen < 0.0),
+            equal: u32::from(truth != 0.0 && seen == 0.0),
+        }
+    }
+
+    fn add(&mut self, other: Self) {
+        self.misordered += other.misordered;
+        self.equal += other.equal;
+    }
 }
 
 /// One family of scenes.
@@ -71,8 +97,8 @@ pub struct FamilyRow {
     pub scenes: u32,
     /// Pairs that are told apart.
     pub pairs: u32,
-    /// Misordered as stated, and with 32 members.
-    pub misordered: [u32; 2],
+    /// Those of them as stated, and with 32 members.
+    pub wrong: [WrongPairs; 2],
 }
 
 /// What was found.
@@ -148,15 +174,21 @@ fn found(scenario: &Scenario) -> Result<Found, Failure> {
     for _ in 0..2 {
         engine.rank(scenario, &Limits::default().with_members(1, None)?)?;
     }
-    let mut timed = |count: i64| -> Result<_, Failure> {
+    let mut timed = |count: i64, times: usize| -> Result<_, Failure> {
         let limits = Limits::default().with_members(count, Some(count))?;
-        let begun_ns = clock::now_ns();
-        let ranking = engine.rank(scenario, &limits)?;
-        Ok((ranking, (clock::now_ns() - begun_ns) as f64))
+        let mut took_ns = Vec::with_capacity(times);
+        loop {
+            let begun_ns = clock::now_ns();
+            let ranking = engine.rank(scenario, &limits)?;
+            took_ns.push((clock::now_ns() - begun_ns) as f64);
+            if took_ns.len() >= times {
+                return Ok((ranking, middle(&mut took_ns)));
+            }
+        }
     };
-    let (stated, one_ns) = timed(1)?;
-    let (usual, usual_ns) = timed(USUAL as i64)?;
-    let (many, _) = timed(i64::from(MANY))?;
+    let (stated, one_ns) = timed(1, TIMES)?;
+    let (usual, usual_ns) = timed(USUAL as i64, TIMES)?;
+    let (many, _) = timed(i64::from(MANY), 1)?;
     let ranking = engine.rank(scenario, &Limits::default().with_members(USUAL as i64, None)?)?;
     let by_rule = ranking.answer.members.map_or(1, |members| members.count as usize);
     let stages = &usual.run.stages;
@@ -180,6 +212,12 @@ fn found(scenario: &Scenario) -> Result<Found, Failure> {
 
 fn mean(of: &[f64]) -> f64 {
     of.iter().sum::<f64>() / of.len() as f64
+}
+
+/// The upper median, 0 of nothing; leaves them sorted.
+fn middle(of: &mut [f64]) -> f64 {
+    of.sort_by(f64::total_cmp);
+    of.get(of.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// The number of the least; the first of equals.
@@ -219,22 +257,23 @@ impl Tally {
                 1 => found.stated.clone(),
                 _ => found.members.iter().map(|all| mean(&all[..count])).collect(),
             };
-            let mut pairs = (0, 0);
+            let mut wrong = WrongPairs::default();
             for (i, j, is_known) in &told_apart {
-                let is_wrong = (truth[*i] - truth[*j]) * (seen[*i] - seen[*j]) <= 0.0;
-                pairs.0 += 1;
-                pairs.1 += u32::from(is_wrong);
-                row.known_pairs += u32::from(*is_known);
-                row.known_misordered += u32::from(*is_known && is_wrong);
+                let one = WrongPairs::of(truth[*i] - truth[*j], seen[*i] - seen[*j]);
+                wrong.add(one);
+                if *is_known {
+                    row.known_pairs += 1;
+                    row.known_wrong.add(one);
+                }
             }
-            row.pairs += pairs.0;
-            row.misordered += pairs.1;
+            row.pairs += told_apart.len() as u32;
+            row.wrong.add(wrong);
             match row.members {
                 1 => {
-                    family.pairs += pairs.0;
-                    family.misordered[0] += pairs.1;
+                    family.pairs += told_apart.len() as u32;
+                    family.wrong[0].add(wrong);
                 }
-                USUAL => family.misordered[1] += pairs.1,
+                USUAL => family.wrong[1].add(wrong),
                 _ => {}
             }
             for (seen, truth) in seen.iter().zip(&truth).filter(|(_, truth)| **truth > 0.0) {
@@ -257,14 +296,10 @@ impl Tally {
             row.error_percent = 100.0 * (squares / f64::from(*count).max(1.0)).sqrt();
             row.regret_percent = if *harm > 0.0 { 100.0 * regret / harm } else { 0.0 };
         }
-        let middle = |of: &mut Vec<f64>| {
-            of.sort_by(f64::total_cmp);
-            of.get(of.len() / 2).copied().unwrap_or(0.0)
-        };
         let median = middle(&mut self.costs);
         let ends = [self.costs.first(), self.costs.last()].map(|end| end.copied().unwrap_or(0.0));
         MembersReport {
-            schema: "trolley.certify-members/2",
+            schema: "trolley.certify-members/3",
             seed,
             many: MANY,
             families: self.families,
@@ -297,15 +332,17 @@ fn paired(found: &Found, [a, b]: [usize; 2], count: usize) -> f64 {
 }
 
 impl MembersReport {
-    /// Whether, with 32 members, at most 2 % of the pairs are misordered, and at least 95 % of the
-    /// other winners differ by less than the sampling error.
+    /// Whether, with 32 members, at most 2 % of the pairs are misordered, and in at least 95 % of
+    /// the scenes a ranking that chooses its number of members has the winner of the reference, or
+    /// one that differs from it by less than the sampling error.
     #[must_use]
     pub fn is_right(&self) -> bool {
-        let usual = self.counts.iter().find(|row| row.members == USUAL);
-        usual.is_some_and(|row| {
-            f64::from(row.misordered) <= 0.02 * f64::from(row.pairs)
-                && f64::from(row.within_error) >= 0.95 * f64::from(row.other_winners)
-        })
+        let row = |members: usize| self.counts.iter().find(|row| row.members == members);
+        let scenes: u32 = self.families.iter().map(|family| family.scenes).sum();
+        let (Some(usual), Some(by_rule)) = (row(USUAL), row(BY_RULE)) else { return false };
+        let beyond_error = by_rule.other_winners - by_rule.within_error;
+        f64::from(usual.wrong.misordered) <= 0.02 * f64::from(usual.pairs)
+            && f64::from(beyond_error) <= 0.05 * f64::from(scenes)
     }
 
     /// The report as tables of Markdown, which read as text, too.
@@ -323,26 +360,29 @@ impl MembersReport {
         // Writing to a string cannot fail.
         let _w = writeln!(
             text,
-            "| members | misordered | of pairs | % | of those in known order | % | rms error % | \
-             regret % | other winner | within error |\n|{}",
-            "--:|".repeat(10)
+            "| members | misordered | % | equal | % | of pairs | misordered | equal | of those in \
+             known order | rms error % | regret % | other winner | within error |\n|{}",
+            "--:|".repeat(13)
         );
         for row in &self.counts {
-            let share = |of: u32, all: u32| 100.0 * f64::from(of) / f64::from(all.max(1));
+            let share = |of: u32| 100.0 * f64::from(of) / f64::from(row.pairs.max(1));
             let name = match row.members {
                 1 => "as stated".to_owned(),
                 BY_RULE => format!("{USUAL} or more, by the rule"),
                 count => count.to_string(),
             };
+            let (wrong, known) = (&row.wrong, &row.known_wrong);
             let _w = writeln!(
                 text,
-                "| {name} | {} | {} | {:.1} | {} of {} | {:.1} | {:.0} | {:.2} | {} | {} |",
-                row.misordered,
+                "| {name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} | {:.0} | {:.2} | {} | {} |",
+                wrong.misordered,
+                share(wrong.misordered),
+                wrong.equal,
+                share(wrong.equal),
                 row.pairs,
-                share(row.misordered, row.pairs),
-                row.known_misordered,
+                known.misordered,
+                known.equal,
                 row.known_pairs,
-                share(row.known_misordered, row.known_pairs),
                 row.error_percent,
                 row.regret_percent,
                 row.other_winners,
@@ -358,15 +398,21 @@ impl MembersReport {
         );
         let _w = writeln!(
             text,
-            "| family | scenes | pairs | misordered as stated | with {USUAL} |\n\
-             |---|--:|--:|--:|--:|"
+            "| family | scenes | pairs | misordered as stated | equal | with {USUAL} | equal |\n\
+             |---|--:|--:|--:|--:|--:|--:|"
         );
         for family in &self.families {
-            let [stated, usual] = family.misordered;
+            let [stated, usual] = &family.wrong;
             let _w = writeln!(
                 text,
-                "| {} | {} | {} | {stated} | {usual} |",
-                family.name, family.scenes, family.pairs
+                "| {} | {} | {} | {} | {} | {} | {} |",
+                family.name,
+                family.scenes,
+                family.pairs,
+                stated.misordered,
+                stated.equal,
+                usual.misordered,
+                usual.equal
             );
         }
         if !self.left_out.is_empty() {

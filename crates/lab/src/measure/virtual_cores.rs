@@ -13,8 +13,11 @@ use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
 use std::thread;
+use together::Together;
 use trolley::dispatch_options::DispatchOptions;
 use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, Run, Scenario};
+
+mod together;
 
 /// What messages cost is measured with these bodies.
 const PAIR: &str = "sedan:20000,suv:20000,deep";
@@ -51,6 +54,11 @@ pub struct VirtualReport {
     /// Rankings without workers: the median (ms).
     alone_ms: f64,
     costs_ns: [u64; 5],
+    /// How much more arithmetic the cores that are measured on do at once than one does alone: the
+    /// median.
+    together: f64,
+    /// How many these are.
+    cores: usize,
     rows: Vec<VirtualRow>,
 }
 
@@ -113,6 +121,9 @@ pub fn virtual_cores(
     for (workers, _) in SETUPS.iter().filter(|setup| is_measured(setup.0, setup.1)) {
         kinds.push(Kind::of(builder().workers(*workers))?);
     }
+    let most = SETUPS.iter().map(|setup| used(setup.0, setup.1)).filter(|used| *used <= cores);
+    let most = most.max().unwrap_or(1);
+    let mut gains = Vec::new();
     let bar = Progress::new(TURNS + 1, told);
     for turn in 0..=TURNS {
         let mut answer = None;
@@ -126,6 +137,7 @@ pub fn virtual_cores(
         if turn == 0 {
             kinds.iter_mut().for_each(Kind::forget);
         }
+        gains.push(Together::measure(most).gain());
         bar.add(1);
     }
     let alone_ns = kinds[0].median_ns();
@@ -143,11 +155,13 @@ pub fn virtual_cores(
     }
     let MessageCosts { hand_out_ns, flight_ns, send_ns, take_ns, thread_ns } = costs;
     Ok(VirtualReport {
-        schema: "trolley.measure-virtual/1",
+        schema: "trolley.measure-virtual/2",
         scenario: options.scenario.display().to_string(),
         turns: TURNS,
         alone_ms: alone_ns / 1e6,
         costs_ns: [hand_out_ns, flight_ns, send_ns, take_ns, thread_ns],
+        together: least_median_most(&gains)[1],
+        cores: most,
         rows,
     })
 }
@@ -239,6 +253,11 @@ impl VirtualReport {
             text,
             "\nA message takes {hand_out} + {flight} ns to a worker and {send} + {flight} + {take} \
              ns back; a thread starts in {thread} ns."
+        );
+        let _ = writeln!(
+            text,
+            "{} cores at once do {:.2} times the arithmetic of one.",
+            self.cores, self.together
         );
         text
     }
