@@ -374,7 +374,8 @@ impl MembersReport {
             let (wrong, known) = (&row.wrong, &row.known_wrong);
             let _w = writeln!(
                 text,
-                "| {name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} | {:.0} | {:.2} | {} | {} |",
+                "| {name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} | {:.0} | {:.2} | {} | \
+                 {} |",
                 wrong.misordered,
                 share(wrong.misordered),
                 wrong.equal,

@@ -8,16 +8,16 @@ use super::sweep::FINE;
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
+use parallel::Parallel;
 use runtime::clock;
 use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
 use std::thread;
-use together::Together;
 use trolley::dispatch_options::DispatchOptions;
 use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, Run, Scenario};
 
-mod together;
+mod parallel;
 
 /// What messages cost is measured with these bodies.
 const PAIR: &str = "sedan:20000,suv:20000,deep";
@@ -56,7 +56,7 @@ pub struct VirtualReport {
     costs_ns: [u64; 5],
     /// How much more arithmetic the cores that are measured on do at once than one does alone: the
     /// median.
-    together: f64,
+    parallel_gain: f64,
     /// How many these are.
     cores: usize,
     rows: Vec<VirtualRow>,
@@ -137,7 +137,7 @@ pub fn virtual_cores(
         if turn == 0 {
             kinds.iter_mut().for_each(Kind::forget);
         }
-        gains.push(Together::measure(most).gain());
+        gains.push(Parallel::measure(most).gain());
         bar.add(1);
     }
     let alone_ns = kinds[0].median_ns();
@@ -160,7 +160,7 @@ pub fn virtual_cores(
         turns: TURNS,
         alone_ms: alone_ns / 1e6,
         costs_ns: [hand_out_ns, flight_ns, send_ns, take_ns, thread_ns],
-        together: least_median_most(&gains)[1],
+        parallel_gain: least_median_most(&gains)[1],
         cores: most,
         rows,
     })
@@ -257,7 +257,7 @@ impl VirtualReport {
         let _ = writeln!(
             text,
             "{} cores at once do {:.2} times the arithmetic of one.",
-            self.cores, self.together
+            self.cores, self.parallel_gain
         );
         text
     }

@@ -15,7 +15,7 @@ const PASSES: usize = 2_000_000;
 
 /// How long the same arithmetic takes (ns).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Together {
+pub(super) struct Parallel {
     /// On one core after the other, in the mean.
     alone_ns: f64,
     /// On all of them at once, in the mean.
@@ -23,7 +23,7 @@ pub(super) struct Together {
     cores: usize,
 }
 
-impl Together {
+impl Parallel {
     /// Measures with at most so many cores.
     pub(super) fn measure(most: usize) -> Self {
         let cores: Vec<usize> = allowed_cores().into_iter().take(most.max(1)).collect();
@@ -73,17 +73,17 @@ mod tests {
 
     #[test]
     fn one_core_does_what_one_core_does() {
-        let together = Together { alone_ns: 3.0, at_once_ns: 3.0, cores: 1 };
-        assert!((together.gain() - 1.0).abs() < 1e-12);
+        let parallel = Parallel { alone_ns: 3.0, at_once_ns: 3.0, cores: 1 };
+        assert!((parallel.gain() - 1.0).abs() < 1e-12);
         // Two threads of one core: each takes as long as both one after the other.
-        let together = Together { alone_ns: 3.0, at_once_ns: 6.0, cores: 2 };
-        assert!((together.gain() - 1.0).abs() < 1e-12);
+        let parallel = Parallel { alone_ns: 3.0, at_once_ns: 6.0, cores: 2 };
+        assert!((parallel.gain() - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn it_measures_something() {
-        let together = Together::measure(2);
-        assert!(together.alone_ns > 0.0 && together.at_once_ns > 0.0, "{together:?}");
-        assert!(together.gain() > 0.0 && together.gain().is_finite());
+        let parallel = Parallel::measure(2);
+        assert!(parallel.alone_ns > 0.0 && parallel.at_once_ns > 0.0, "{parallel:?}");
+        assert!(parallel.gain() > 0.0 && parallel.gain().is_finite());
     }
 }
