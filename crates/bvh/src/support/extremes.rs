@@ -61,8 +61,8 @@ impl Extremes {
         Self { cells, margin: MARGIN * most }
     }
 
-    /// Of a body, with everything computed: about ten milliseconds for ten thousand triangles. The
-    /// result takes at most five and a half megabytes for any body.
+    /// Of a body, with everything computed. The result takes at most five and a half megabytes for
+    /// any body.
     #[must_use]
     pub fn of(view: &BodyView<'_>) -> Self {
         let extremes = Self::new(view);
