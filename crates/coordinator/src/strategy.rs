@@ -26,6 +26,11 @@ pub trait Strategy: Debug + Sync {
     /// first.
     fn choose(&mut self, prospects: &[Prospect], incumbent: usize) -> Option<usize>;
 
+    /// Whether it looks at the candidates at all: one that does not is never asked.
+    fn has_preference(&self) -> bool {
+        true
+    }
+
     /// Whether it needs bounds: then they are computed after every result.
     fn needs_bounds(&self) -> bool {
         false
@@ -97,6 +102,10 @@ struct AsAsked;
 impl Strategy for AsAsked {
     fn choose(&mut self, _: &[Prospect], _: usize) -> Option<usize> {
         None
+    }
+
+    fn has_preference(&self) -> bool {
+        false
     }
 
     fn stride(&self) -> usize {

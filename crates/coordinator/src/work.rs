@@ -247,7 +247,10 @@ impl<'w> SurveyRun<'w> {
         }
         self.slots += self.pairs.len();
         let state = &mut self.tasks[number as usize];
-        state.found = Some(self.spare.gathered(a.corners.len(), b.corners.len()));
+        // At most stops of a member nothing meets that counts, and then there is nothing to gather.
+        let hit =
+            if self.pairs.is_empty() { [0; 2] } else { [a, b].map(|body| body.corners.len()) };
+        state.found = Some(self.spare.gathered(hit));
         state.todo.extend(self.pairs.iter().rev());
     }
 
@@ -256,7 +259,7 @@ impl<'w> SurveyRun<'w> {
         if self.candidate_states[self.tasks[number as usize].candidate].is_obsolete() {
             // Whatever is left of it is not needed.
             self.tasks[number as usize].todo.clear();
-            self.waiting.retain(|waiting| *waiting != number);
+            self.stop_waiting(number);
             return;
         }
         if !self.tasks[number as usize].is_descended {
@@ -275,8 +278,17 @@ impl<'w> SurveyRun<'w> {
             });
         }
         if state.todo.is_empty() {
-            self.waiting.retain(|waiting| *waiting != number);
+            self.stop_waiting(number);
             self.finish_if_closed(number);
+        }
+    }
+
+    /// Nothing of this task is left to be handed out.
+    fn stop_waiting(&mut self, number: u32) {
+        if self.waiting.front() == Some(&number) {
+            self.waiting.pop_front();
+        } else {
+            self.waiting.retain(|waiting| *waiting != number);
         }
     }
 

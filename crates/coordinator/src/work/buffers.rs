@@ -102,7 +102,7 @@ impl BufferPool {
     }
 
     /// An empty result for bodies of these numbers of triangles.
-    pub(super) fn gathered(&mut self, triangles_a: usize, triangles_b: usize) -> Gathered {
+    pub(super) fn gathered(&mut self, [triangles_a, triangles_b]: [usize; 2]) -> Gathered {
         match self.gathered.pop() {
             Some(used) => used.reset_for(triangles_a, triangles_b),
             None => Gathered::with_room(triangles_a, triangles_b),

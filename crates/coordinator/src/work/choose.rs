@@ -8,6 +8,11 @@ impl SurveyRun<'_> {
     /// The task whose jobs go out next; `None` if all jobs are out.
     pub(super) fn choose(&mut self) -> Option<u32> {
         let first = *self.waiting.front()?;
+        // Of many members thousands of tasks wait: listing them for each would take longer than
+        // their jobs.
+        if !self.strategy.has_preference() {
+            return Some(first);
+        }
         if self.strategy.needs_bounds() {
             self.review();
         }
