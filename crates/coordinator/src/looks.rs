@@ -28,9 +28,9 @@ use runtime::{WrittenWords, clock};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// Looks that a worker has at once: one at work, and the next ones. More would leave some workers
-/// with all the long ones.
-const OUT_PER_WORKER: usize = 3;
+/// Looks that a worker has at once, if its queue takes as many: so none waits while the coordinator
+/// assembles contacts, or waits for the core of a worker itself.
+const OUT_PER_WORKER: usize = 16;
 
 /// A look, and the numbers of its bodies in the store.
 #[derive(Clone, Copy, Debug)]

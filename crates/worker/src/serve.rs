@@ -55,6 +55,11 @@ impl Diagnostic for WorkerError {
     }
 }
 
+/// How long a worker stays awake without a job (ns). Within a request the next one is rarely
+/// farther away, and a core that has gone to sleep takes tenths of a millisecond to be there again
+/// where it is a virtual one.
+const AWAKE_NS: u64 = 1_000_000;
+
 /// Longest sleep of an idle worker before it checks again (ns).
 const NAP_NS: u64 = 50_000_000;
 
@@ -158,8 +163,8 @@ impl<'w> JobLoop<'w> {
         self.outlet.notify();
     }
 
-    /// Waits for a batch: spins a little, then sleeps until the coordinator changes the futex word.
-    /// `None`: stop.
+    /// Waits for a batch: stays awake for a while, then sleeps until the coordinator changes the
+    /// futex word. `None`: stop.
     fn next_batch(
         &mut self,
         link: &WorkerLink,
@@ -167,6 +172,7 @@ impl<'w> JobLoop<'w> {
     ) -> Result<Option<Head>, WorkerError> {
         let Outlet { line, coordinator, .. } = self.outlet;
         let backoff = Backoff::new();
+        let idle_from_ns = clock::now_ns();
         loop {
             let seen = coordinator.wake.load(Ordering::SeqCst);
             if coordinator.stop.load(Ordering::Acquire) == 1 {
@@ -194,7 +200,8 @@ impl<'w> JobLoop<'w> {
                 }
                 None => {}
             }
-            if !backoff.is_completed() {
+            if clock::now_ns() - idle_from_ns < AWAKE_NS {
+                // Whoever else waits for this core goes first.
                 backoff.snooze();
                 continue;
             }
