@@ -2,7 +2,7 @@
 
 use runtime::{affinity, clock};
 use smallvec::SmallVec;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
@@ -47,8 +47,14 @@ impl VirtualHelp {
 }
 
 impl VirtualHelpers {
-    /// Does all of it here, and adds what so many threads would have done of it.
-    fn map<T>(&self, threads: usize, count: usize, mut make: impl FnMut(usize) -> T) -> Vec<T> {
+    /// Does all of it here, unless a piece is not made, and adds what so many threads would have
+    /// done of it.
+    fn map<T>(
+        &self,
+        threads: usize,
+        count: usize,
+        mut make: impl FnMut(usize) -> Option<T>,
+    ) -> Option<Vec<T>> {
         let mut took_ns = Vec::with_capacity(count);
         let timed = |number| {
             let begun_ns = clock::now_ns();
@@ -119,34 +125,55 @@ impl IdleCores {
         count: usize,
         of: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
+        self.map_while(scratch, count, &mut || true, of).unwrap_or_default()
+    }
+
+    /// [`map`](Self::map) as long as `goes_on`; `None` if it did not. The caller's thread asks
+    /// that, between two numbers: in the end once for each of them.
+    pub(crate) fn map_while<S: Default + Send, T: Send>(
+        &self,
+        scratch: &mut S,
+        count: usize,
+        goes_on: &mut dyn FnMut() -> bool,
+        of: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Option<Vec<T>> {
         let most = self.helpers.min(count.saturating_sub(1));
+        if let Some(helpers) = self.virtual_ones.as_ref().filter(|_| most > 0) {
+            return helpers.map(most + 1, count, |k| goes_on().then(|| of(scratch, k)));
+        }
         if most == 0 {
-            return (0..count).map(|number| of(scratch, number)).collect();
+            return (0..count).map(|k| goes_on().then(|| of(scratch, k))).collect();
         }
-        if let Some(helpers) = &self.virtual_ones {
-            return helpers.map(most + 1, count, |number| of(scratch, number));
-        }
-        let next = AtomicUsize::new(0);
-        let (next, of) = (&next, &of);
-        let work = move |scratch: &mut S| {
-            let mut done = Vec::with_capacity(count);
-            // Each number goes to one thread, whatever the order: nothing else is shared.
-            let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-            done.extend(numbers.take_while(|k| *k < count).map(|k| (k, of(scratch, k))));
-            done
+        let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let (next, is_over, of) = (&next, &is_over, &of);
+        // Each number goes to one thread, whatever the order: nothing else is shared.
+        let take = move || {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            (number < count && !is_over.load(Ordering::Relaxed)).then_some(number)
         };
+        let help = || {
+            // Where none of them is allowed, it runs where the caller may.
+            let _elsewhere = affinity::widen_self(&self.cores);
+            let mut scratch = S::default();
+            let numbers = std::iter::from_fn(take);
+            numbers.map(|number| (number, of(&mut scratch, number))).collect::<Vec<_>>()
+        };
+        let mut asked = 0;
         let mut all = thread::scope(|scope| {
-            let help = || {
-                // Where none of them is allowed, it runs where the caller may.
-                let _elsewhere = affinity::widen_self(&self.cores);
-                work(&mut S::default())
-            };
             let start = |_| {
                 let thread = thread::Builder::new().name("trolley-helper".to_owned());
                 thread.stack_size(HELPER_STACK_BYTES).spawn_scoped(scope, help).ok()
             };
             let helpers: SmallVec<[_; 8]> = (0..most).filter_map(start).collect();
-            let mut all = work(scratch);
+            let mut all = Vec::with_capacity(count);
+            for number in std::iter::from_fn(take) {
+                asked += 1;
+                if !goes_on() {
+                    is_over.store(true, Ordering::Relaxed);
+                    break;
+                }
+                all.push((number, of(scratch, number)));
+            }
             for helper in helpers {
                 match helper.join() {
                     Ok(done) => all.extend(done),
@@ -155,8 +182,11 @@ impl IdleCores {
             }
             all
         });
-        all.sort_unstable_by_key(|(k, _)| *k);
-        all.into_iter().map(|(_, found)| found).collect()
+        if is_over.load(Ordering::Relaxed) || (asked..count).any(|_| !goes_on()) {
+            return None;
+        }
+        all.sort_unstable_by_key(|(number, _)| *number);
+        Some(all.into_iter().map(|(_, found)| found).collect())
     }
 }
 

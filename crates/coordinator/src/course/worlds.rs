@@ -62,7 +62,7 @@ struct Worlds<'w> {
     members: Vec<&'w [Vec<&'w ContactFacts>]>,
     /// Expected harm with what is nominal: the model range is that of this.
     nominal: &'w [CourseHarm],
-    /// Who shares the work on a block of worlds.
+    /// Who shares the work.
     cores: &'w IdleCores,
 }
 
@@ -73,14 +73,10 @@ struct Buffers {
     ranking: RankedCandidates,
 }
 
-/// Contacts that a thread assesses between two questions whether there is time, but for those of
-/// one world: about a millisecond, so that starting threads is little beside it.
-const ASSESSED_MOST: usize = 4_096;
+/// Worlds that are drawn before they are ranked.
+const WORLDS_AT_ONCE: usize = 256;
 
-/// Worlds that a thread ranks at most between these.
-const WORLDS_MOST: usize = 8;
-
-/// Contacts in all members below which others do not help: a block then takes no longer than some
+/// Contacts in all members below which others do not help: all worlds then take no longer than some
 /// threads take to start.
 const SHARED_MIN: usize = 64;
 
@@ -88,8 +84,8 @@ const SHARED_MIN: usize = 64;
 type Winners = SmallVec<[(usize, f64); 4]>;
 
 /// Ranks the candidates in all worlds; `None` if none are asked for, or if `is_due` says that there
-/// is no time, which is asked once for each world, whoever ranks it. `contacts` are those of every
-/// candidate in every member, by member; a world draws masses for so many `parties`.
+/// is no time, which is asked once for each world that is ranked, whoever does. `contacts` are
+/// those of every candidate in every member, by member; a world draws masses for so many `parties`.
 pub(super) fn found(
     (criteria, asked): (&Criteria, scenario::Worlds),
     judged: &Judged,
@@ -104,8 +100,6 @@ pub(super) fn found(
     let alone = IdleCores::default();
     let contacts_of_one: usize = contacts.iter().map(Vec::len).sum();
     let cores = if contacts_of_one >= SHARED_MIN { cores } else { &alone };
-    let each = (ASSESSED_MOST / contacts_of_one.max(1)).clamp(1, WORLDS_MOST);
-    let together = each * cores.threads();
     let worlds = Worlds {
         criteria,
         stakes,
@@ -113,8 +107,8 @@ pub(super) fn found(
         nominal: &judged.harms,
         cores,
     };
+    let mut goes_on = || !is_due.is_some_and(|is_due| is_due());
     let mut buffers = Buffers::default();
-    let is_late = |block: &[u32]| is_due.is_some_and(|is_due| block.iter().any(|_| is_due()));
     let coordinate = |number: u32, dimension: u32| asked.coordinate(number, dimension);
     let draw = |number: u32| WorldDraw {
         restitution: coordinate(number, 0),
@@ -124,12 +118,12 @@ pub(super) fn found(
     };
     let numbers: Vec<u32> = (0..asked.count).collect();
     let mut won = vec![0.0; candidates];
-    for block in numbers.chunks(together) {
-        if is_late(block) {
+    for some in numbers.chunks(WORLDS_AT_ONCE) {
+        let drawn: Vec<World> = some.iter().map(|number| worlds.world(draw(*number))).collect();
+        let Some(winners) = worlds.winners(&mut buffers, &drawn, &mut goes_on) else {
             return Ok(None);
-        }
-        let drawn: Vec<World> = block.iter().map(|number| worlds.world(draw(*number))).collect();
-        for winners in worlds.winners(&mut buffers, &drawn) {
+        };
+        for winners in winners {
             for (winner, share) in winners? {
                 won[winner] += share;
             }
@@ -141,31 +135,26 @@ pub(super) fn found(
     let mut flips = Vec::new();
     for doubt in Doubt::ALL {
         // There are few sets of curves: many draws are one world.
-        let (mut known, mut shares): (Vec<World>, Vec<f64>) = (Vec::new(), Vec::new());
-        let mut kept = 0.0;
-        for block in of_one.chunks(together) {
-            if is_late(block) {
-                return Ok(None);
-            }
-            let before = known.len();
-            let mut places: SmallVec<[usize; WORLDS_MOST]> = SmallVec::new();
-            for number in block {
-                let world = worlds.world(draw(*number).only(doubt));
-                let place = known.iter().position(|other| other.is_same(&world));
-                places.push(place.unwrap_or_else(|| {
-                    known.push(world);
-                    known.len() - 1
-                }));
-            }
-            for winners in worlds.winners(&mut buffers, &known[before..]) {
-                let winners = winners?;
-                let share = winners.iter().find(|(winner, _)| *winner == first);
-                shares.push(share.map_or(0.0, |(_, share)| *share));
-            }
-            for place in places {
-                kept += shares[place];
-            }
+        let mut known: Vec<World> = Vec::new();
+        let mut places: SmallVec<[usize; WORLDS_OF_ONE]> = SmallVec::new();
+        for number in of_one {
+            let world = worlds.world(draw(*number).only(doubt));
+            let place = known.iter().position(|other| other.is_same(&world));
+            places.push(place.unwrap_or_else(|| {
+                known.push(world);
+                known.len() - 1
+            }));
         }
+        let Some(winners) = worlds.winners(&mut buffers, &known, &mut goes_on) else {
+            return Ok(None);
+        };
+        let share = |winners: Result<Winners, RequestError>| {
+            let winners = winners?;
+            let share = winners.iter().find(|(winner, _)| *winner == first);
+            Ok::<_, RequestError>(share.map_or(0.0, |(_, share)| *share))
+        };
+        let shares = winners.into_iter().map(share).collect::<Result<Vec<_>, _>>()?;
+        let kept: f64 = places.iter().map(|place| shares[*place]).sum();
         let lost = 1.0 - kept / of_one.len() as f64;
         if lost > 0.0 {
             flips.push(FlipRow { doubt, lost });
@@ -181,14 +170,15 @@ impl Worlds<'_> {
         World::of(draw, &self.criteria.parameters, &self.criteria.curves)
     }
 
-    /// Who wins in each of these worlds.
+    /// Who wins in each of these worlds; `None`: there is no time.
     fn winners(
         &self,
         buffers: &mut Buffers,
         worlds: &[World],
-    ) -> Vec<Result<Winners, RequestError>> {
-        self.cores
-            .map(buffers, worlds.len(), |buffers, number| self.winner(buffers, &worlds[number]))
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Vec<Result<Winners, RequestError>>> {
+        let winner = |buffers: &mut Buffers, number: usize| self.winner(buffers, &worlds[number]);
+        self.cores.map_while(buffers, worlds.len(), goes_on, winner)
     }
 
     fn winner(&self, buffers: &mut Buffers, world: &World) -> Result<Winners, RequestError> {

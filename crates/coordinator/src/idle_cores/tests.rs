@@ -22,6 +22,27 @@ fn what_is_shared_comes_back_in_order_however_many_help() {
 }
 
 #[test]
+fn nothing_comes_back_once_there_is_no_time() {
+    let virtual_ones = IdleCores::virtual_ones(3, 0, Arc::default());
+    for cores in [IdleCores::default(), IdleCores::of(&[None; 2], 2), virtual_ones] {
+        for count in [0, 1, 2, 50] {
+            for over_at in 0..=count + 1 {
+                let mut asked = 0;
+                let mut goes_on = || {
+                    asked += 1;
+                    asked <= over_at
+                };
+                let all = cores.map_while(&mut (), count, &mut goes_on, |(), k| k + 1);
+                let is_done = over_at >= count;
+                assert_eq!(all, is_done.then(|| (1..=count).collect()), "{over_at} of {count}");
+                // Whoever does what, the clock is asked as often, so a replay ends at the same.
+                assert_eq!(asked, if is_done { count } else { over_at + 1 });
+            }
+        }
+    }
+}
+
+#[test]
 fn nobody_helps_whose_worker_is_at_work() {
     let cores = IdleCores::of(&[None; 4], 3);
     let threads = |busy: usize| cores.without(busy).threads();
