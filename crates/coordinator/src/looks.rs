@@ -28,9 +28,36 @@ use runtime::{WrittenWords, clock};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// Looks that a worker has at once, if its queue takes as many: so none waits while the coordinator
-/// assembles contacts, or waits for the core of a worker itself.
-const OUT_PER_WORKER: usize = 16;
+/// Looks that a worker has at once: one at work, and the next ones. The most is what its queue
+/// takes.
+const OUT_LEAST: u64 = 3;
+const OUT_MOST: u64 = 16;
+
+/// How long these last (ns), within these limits: as long as the coordinator may assemble contacts,
+/// or wait for the core of a worker itself. Longer ones would leave some workers with looks when
+/// others have none.
+const OUT_NS: u64 = 2_000_000;
+
+/// How long looks of a search have taken.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LookTimes {
+    looks: u64,
+    took_ns: u64,
+}
+
+impl LookTimes {
+    /// Adds a look that took so long.
+    pub(crate) fn add(&mut self, took_ns: u64) {
+        self.looks += 1;
+        self.took_ns = self.took_ns.saturating_add(took_ns);
+    }
+
+    /// How many looks a worker has at once.
+    pub(crate) fn out_per_worker(&self) -> usize {
+        let in_time = OUT_NS.saturating_mul(self.looks) / self.took_ns.max(1);
+        in_time.clamp(OUT_LEAST, OUT_MOST) as usize
+    }
+}
 
 /// A look, and the numbers of its bodies in the store.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +104,7 @@ impl Backend {
         match self {
             // Bodies that are copied are so for the sections of jobs.
             Self::Workers(pool) if !pool.copies() => pool.look(source, bodies, (due_ns, &is_due)),
-            Self::Virtual(cores) => Ok(cores.look(source, OUT_PER_WORKER)),
+            Self::Virtual(cores) => Ok(cores.look(source)),
             Self::Workers(_) | Self::InProcess(_) => {
                 Ok(look_here(source, |source, id| look_until(source, id, &is_due)))
             }
@@ -132,6 +159,7 @@ impl WorkerPool {
         (due_ns, is_due): (Option<u64>, &dyn Fn() -> bool),
     ) -> Result<LookEffort, WorkerPoolError> {
         let mut effort = LookEffort::default();
+        let mut times = LookTimes::default();
         while let Some(first) = source.next() {
             // A single look is done sooner here, and none is begun after the deadline.
             let second = if is_past(due_ns) { None } else { source.next() };
@@ -140,14 +168,15 @@ impl WorkerPool {
                 effort.learn(source, first, seen);
                 continue;
             };
-            let most_out = OUT_PER_WORKER * self.size();
             let paths = Rc::clone(self.paths());
-            let mut run = LookRun::of(source, bodies, (&paths, most_out, due_ns));
+            let mut run = LookRun::of(source, bodies, (&paths, self.size(), due_ns));
+            run.times = times;
             run.begun.extend([first, second]);
             let done = self.work_off_unlogged(&mut run);
             run.leave();
             effort.counters.add(&run.effort.counters);
             effort.jobs += run.effort.jobs;
+            times = run.times;
             done?;
         }
         Ok(effort)
@@ -166,9 +195,10 @@ struct LookRun<'r, S: LookSource> {
     seen: Vec<Option<LookOutcome>>,
     memory: PathMemory<'r>,
     effort: LookEffort,
-    /// Looks handed out and not closed, and the most of these.
+    /// Looks handed out and not closed.
     out: usize,
-    most_out: usize,
+    workers: usize,
+    times: LookTimes,
     due_ns: Option<u64>,
 }
 
@@ -176,7 +206,7 @@ impl<'r, S: LookSource> LookRun<'r, S> {
     fn of(
         source: &'r mut S,
         bodies: &'r [(Meta, BodyView<'r>)],
-        (memory, most_out, due_ns): (&'r WrittenWords, usize, Option<u64>),
+        (memory, workers, due_ns): (&'r WrittenWords, usize, Option<u64>),
     ) -> Self {
         Self {
             source,
@@ -188,7 +218,8 @@ impl<'r, S: LookSource> LookRun<'r, S> {
             memory: PathMemory::over(memory),
             effort: LookEffort::default(),
             out: 0,
-            most_out,
+            workers,
+            times: LookTimes::default(),
             due_ns,
         }
     }
@@ -256,7 +287,7 @@ impl<S: LookSource> dispatch::JobSource for LookRun<'_, S> {
     type Part<'p> = PartOf<'p>;
 
     fn more(&mut self, jobs: &mut Vec<Job>) {
-        while self.out < self.most_out {
+        while self.out < self.times.out_per_worker() * self.workers {
             let Some(id) = self.begun.pop_front().or_else(|| self.source.next()) else { return };
             match self.task_of(id) {
                 Some(task) => {
@@ -291,6 +322,7 @@ impl<S: LookSource> dispatch::JobSource for LookRun<'_, S> {
         let number = job.task.0 as usize;
         let Some(Some(id)) = self.looks.get(number) else { return };
         self.effort.counters.add(&Counters { nb: last.summary.nb, np: last.summary.np });
+        self.times.add(last.summary.wall_ns);
         let look = self.source.asked(*id).look;
         self.seen[number] = last.seen.and_then(|seen| LookOutcome::from_wire(&seen, &look));
     }

@@ -17,7 +17,7 @@
 
 use crate::idle_cores::{IdleCores, VirtualHelp};
 use crate::in_process::InProcessExecutor;
-use crate::looks::{LookEffort, LookSource, Seen};
+use crate::looks::{LookEffort, LookSource, LookTimes, Seen};
 use crate::work::TaskSource;
 use core::ops::ControlFlow;
 use dispatch::{Closed, Job};
@@ -143,17 +143,20 @@ impl VirtualCores {
     }
 
     /// Looks, as workers would.
-    pub(crate) fn look<S: LookSource>(&mut self, source: &mut S, most_out: usize) -> LookEffort {
-        let mut effort = LookEffort::default();
+    pub(crate) fn look<S: LookSource>(&mut self, source: &mut S) -> LookEffort {
+        let (mut effort, mut times) = (LookEffort::default(), LookTimes::default());
         let mut out: Vec<VecDeque<(S::Id, Seen)>> = Vec::new();
         out.resize_with(self.workers.len(), VecDeque::new);
         loop {
-            while out.iter().map(VecDeque::len).sum::<usize>() < most_out * self.workers.len() {
+            let most_out = times.out_per_worker() * self.workers.len();
+            while out.iter().map(VecDeque::len).sum::<usize>() < most_out {
                 let Some(id) = source.next() else { break };
                 self.hand_out();
                 let begun_ns = clock::now_ns();
                 let seen = source.look(id, &mut |_| ControlFlow::Continue(()));
-                let worker = self.give(clock::now_ns() - begun_ns);
+                let took_ns = clock::now_ns() - begun_ns;
+                times.add(took_ns);
+                let worker = self.give(took_ns);
                 out[worker].push_back((id, seen));
                 effort.jobs += 1;
             }

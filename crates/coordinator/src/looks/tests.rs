@@ -98,7 +98,7 @@ fn paths_that_do_not_fit_together_go_one_after_the_other() {
     let (still, memory) = (still(), memory());
     let paths = [30_000, 30_001, 30_002, 65_536, 20_000].map(path);
     let mut cars = Cars::new(&car, &still, &paths, 0);
-    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 3, None));
+    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 1, None));
     let mut jobs = Vec::new();
     for _ in 0..9 {
         run.more(&mut jobs);
@@ -136,7 +136,7 @@ fn what_is_no_answer_leaves_a_look_open_and_answers_ask_for_more() {
     assert!(matches!(met, LookOutcome::Contact(_)), "{met:?}");
     assert_eq!(here.seen, [Some(Some(met)); 6], "the last one was asked for by the first");
     let mut cars = Cars::new(&car, &still, &paths, 1);
-    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 3, None));
+    let mut run = LookRun::of(&mut cars, &bodies, (&memory, 1, None));
     let mut jobs = Vec::new();
     for _ in 0..9 {
         run.more(&mut jobs);
@@ -158,4 +158,18 @@ fn what_is_no_answer_leaves_a_look_open_and_answers_ask_for_more() {
     run.leave();
     assert_eq!(cars.seen[0], Some(Some(met)));
     assert_eq!(cars.seen[1..], [Some(None); 5]);
+}
+
+#[test]
+fn workers_have_as_many_looks_as_last_for_a_while() {
+    let out = |took_ns: &[u64]| {
+        let mut times = LookTimes::default();
+        took_ns.iter().for_each(|took_ns| times.add(*took_ns));
+        times.out_per_worker() as u64
+    };
+    assert_eq!(out(&[]), OUT_LEAST);
+    assert_eq!(out(&[0]), OUT_MOST);
+    assert_eq!(out(&[OUT_NS / 8; 5]), 8);
+    assert_eq!(out(&[OUT_NS / 8, OUT_NS / 8, 2 * OUT_NS / 8]), 6);
+    assert_eq!(out(&[u64::MAX, 1]), OUT_LEAST);
 }

@@ -66,7 +66,7 @@ fn looked(setup: VirtualSetup) -> (VirtualTime, Vec<u64>) {
     let mut cores = VirtualCores::new(setup, InProcessExecutor::with_room_for(&[]));
     let (left, took_ns) = (vec![5; 4], vec![0; 4]);
     let mut chains = Chains { ready: (0..4).collect(), left, took_ns, spare: 8, learnt: 0 };
-    let effort = cores.look(&mut chains, 3);
+    let effort = cores.look(&mut chains);
     cores.end();
     assert_eq!((chains.learnt, effort.jobs, effort.counters.nb), (20, 20, 20));
     (cores.time().clone(), chains.took_ns)
