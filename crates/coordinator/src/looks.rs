@@ -28,8 +28,8 @@ use runtime::{WrittenWords, clock};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// Looks that a worker has at once: one at work, and the next ones. The most is what its queue
-/// takes.
+/// Looks that a worker has at once, at least and at most: one at work, and the next ones. The most
+/// is what its queue takes, if nothing else is set.
 const OUT_LEAST: u64 = 3;
 const OUT_MOST: u64 = 16;
 

@@ -76,8 +76,8 @@ struct Buffers {
 /// Worlds that are drawn before they are ranked.
 const WORLDS_AT_ONCE: usize = 256;
 
-/// Contacts in all members below which others do not help: all worlds then take no longer than some
-/// threads take to start.
+/// Contacts in all members below which others do not help: the worlds of one doubt may be few, and
+/// then take no longer than some threads take to start.
 const SHARED_MIN: usize = 64;
 
 /// Who wins, and with which part where several are equally good.
