@@ -102,7 +102,7 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
     let output = command.arg("--scenario").arg(path).output().expect("it can be started");
     assert!(output.status.success(), "{}", text(&output.stderr));
     let document = json(&output);
-    assert_eq!(document["schema"], "trolley.measure-virtual/2");
+    assert_eq!(document["schema"], "trolley.measure-virtual/3");
     let rows = document["rows"].as_array().unwrap();
     let cores: Vec<_> = rows.iter().map(|row| row["cores"].as_u64().unwrap()).collect();
     assert_eq!(cores, [2, 2, 4, 5]);
@@ -112,6 +112,10 @@ fn a_ranking_is_simulated_on_cores_that_there_are_not() {
         assert!(simulated > 0.0 && simulated <= number("cores"), "{row}");
         assert!(number("coordinator") <= 1.0 && number("busy") <= 1.0, "{row}");
     }
+    // What cores do by themselves is known where workers are measured on them.
+    let is_measured = rows.iter().any(|row| row["measured"].is_number());
+    assert_eq!(document["cores"].as_u64() > Some(0), is_measured, "{document}");
+    assert_eq!(document["at_once"].as_f64().is_some_and(|gain| gain > 0.0), is_measured);
     let costs = document["costs_ns"].as_array().unwrap();
     assert!(costs.iter().all(|cost| cost.as_u64().unwrap() > 0), "{costs:?}");
     refused(&["--virtual-cores", "--out", "x"], 2, "--out");

@@ -82,7 +82,7 @@ use history::{SearchClock, Surveyor};
 use judged::Judged;
 use member::Member;
 use rounds::Rounds;
-use stages::{CourseOutline, Stage, Stages};
+use stages::Stages;
 use way::{Scenery, Way};
 
 /// One request over a horizon.
@@ -129,11 +129,13 @@ pub struct CourseEffort {
     pub rounds: u64,
     /// Jobs that this process ran itself.
     pub jobs_in_process: u64,
-    /// Time of the search (ns).
+    /// Time of drawing members, and of the search (ns).
     pub search_ns: u64,
     /// Time of the surveys (ns).
     pub surveys_ns: u64,
-    /// Time of flags, harm and ranking (ns).
+    /// Time of assessing contacts and members as they become known (ns).
+    pub assess_ns: u64,
+    /// Time of flags, harm and ranking, after all other work but worlds (ns).
     pub judge_ns: u64,
     /// Time of worlds (ns).
     pub worlds_ns: u64,
@@ -348,11 +350,15 @@ impl Stages for Followed<'_, '_, '_> {
         let Self { rounds, time, surveyor } = self;
         rounds.is_part = is_part;
         if count > 0 {
+            let begun_ns = clock::now_ns();
             rounds.draw(count)?;
+            rounds.effort.search_ns += clock::now_ns() - begun_ns;
         }
         loop {
             let round = rounds.search(surveyor, time)?;
+            let begun_ns = clock::now_ns();
             let round = rounds.spare(round)?;
+            rounds.effort.assess_ns += clock::now_ns() - begun_ns;
             if round.meetings.is_empty() {
                 return Ok(());
             }
@@ -363,20 +369,10 @@ impl Stages for Followed<'_, '_, '_> {
     }
 
     fn judged(&mut self, count: u32) -> Result<Judged, RequestError> {
-        let Self { rounds, .. } = self;
-        let mut harms = rounds.harms(&[]);
-        let (stakes, request) = (rounds.people.stakes(), rounds.request);
-        let policy = &request.criteria.policy;
-        if count == 0 {
-            return Judged::of(policy, &stakes, harms.swap_remove(0));
-        }
-        let parties: Vec<Name> = names_of(request.scenario);
-        let courses: Vec<CourseOutline> = rounds.courses.iter().map(CourseOutline::of).collect();
-        let (members, replaced) = (request.members, rounds.members.replaced);
-        let (stakes, parties) = (&stakes[..], &parties[..]);
-        let (harms, courses) = (&harms[..], &courses[..]);
-        let stage = Stage { policy, stakes, parties, members, count, replaced, harms, courses };
-        stage.judged()
+        let begun_ns = clock::now_ns();
+        let judged = self.rounds.judged(count);
+        self.rounds.effort.assess_ns += clock::now_ns() - begun_ns;
+        judged
     }
 }
 

@@ -108,7 +108,7 @@ impl<'s> Ranker<'s> {
             answer,
             search_ns: effort.search_ns,
             surveys_ns: effort.surveys_ns,
-            judge_ns: effort.judge_ns,
+            judge_ns: effort.assess_ns + effort.judge_ns,
             lasted_ns: clock::now_ns() - begun_ns,
             reports,
         })

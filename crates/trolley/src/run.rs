@@ -31,13 +31,13 @@ use serde::Serialize;
 pub struct Stages {
     /// Reading or generating bodies, building trees, sealing the store.
     pub load_ms: f64,
-    /// The search for contacts.
+    /// Drawing members, and the search for contacts.
     pub plan_ms: f64,
     /// Starting workers and waiting for their greetings.
     pub start_ms: f64,
     /// Descending, intersecting, folding.
     pub work_ms: f64,
-    /// Harm and ranking.
+    /// Harm of contacts and courses, and ranking.
     pub assess_ms: f64,
     /// Worlds that the model allows.
     pub worlds_ms: f64,

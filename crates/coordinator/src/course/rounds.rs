@@ -4,12 +4,14 @@
 use super::assessed_contact::{AssessedContact, assessed, settle};
 use super::contact_facts::ContactFacts;
 use super::history::Surveyor;
+use super::judged::Judged;
 use super::member::Members;
 use super::persons::People;
 use super::plan_scene::ContactScene;
+use super::stages::{CourseOutline, Stage};
 use super::stop::{MayBeClose, Stop};
 use super::way::{NextContact, Scenery};
-use super::{Course, CourseEffort, CourseRequest, harm_of};
+use super::{Course, CourseEffort, CourseRequest, harm_of, names_of};
 use crate::explain::contact_chain;
 use crate::idle_cores::IdleCores;
 use crate::request::{Request, RequestError};
@@ -21,6 +23,7 @@ use bvh::support::Extremes;
 use damage::{CandidateHarm, CourseHarm, expected};
 use executor::encounter::Encounters;
 use runtime::clock;
+use scenario::Name;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -214,6 +217,23 @@ impl<'r> Rounds<'r> {
         harms.chunks(candidates).map(<[CourseHarm]>::to_vec).collect()
     }
 
+    /// What is known by so many members; 0: by the scene as stated alone.
+    pub(super) fn judged(&mut self, count: u32) -> Result<Judged, RequestError> {
+        let mut harms = self.harms(&[]);
+        let (stakes, request) = (self.people.stakes(), self.request);
+        let policy = &request.criteria.policy;
+        if count == 0 {
+            return Judged::of(policy, &stakes, harms.swap_remove(0));
+        }
+        let parties: Vec<Name> = names_of(request.scenario);
+        let courses: Vec<CourseOutline> = self.courses.iter().map(CourseOutline::of).collect();
+        let (members, replaced) = (request.members, self.members.replaced);
+        let (stakes, parties) = (&stakes[..], &parties[..]);
+        let (harms, courses) = (&harms[..], &courses[..]);
+        let stage = Stage { policy, stakes, parties, members, count, replaced, harms, courses };
+        stage.judged()
+    }
+
     /// Leaves open what cannot change what was asked for. Returns the contacts that still have to
     /// be surveyed.
     pub(super) fn spare(&mut self, round: Round) -> Result<Round, RequestError> {
@@ -265,7 +285,8 @@ impl<'r> Rounds<'r> {
         let effort = &mut self.effort;
         effort.jobs_in_process += surveyor.survey(&mut work, self.stage)?;
         self.reports.extend(surveyor.report());
-        effort.surveys_ns += clock::now_ns() - begun_ns;
+        let surveyed_ns = clock::now_ns();
+        effort.surveys_ns += surveyed_ns - begun_ns;
         effort.rounds += 1;
         effort.surveys.add(&work.effort());
         let cores = surveyor.idle_cores();
@@ -280,6 +301,7 @@ impl<'r> Rounds<'r> {
             settle(&mut self.courses[*k], &contacts.candidates[number], assessed?);
         }
         self.buffers = work.into_buffers();
+        self.effort.assess_ns += clock::now_ns() - surveyed_ns;
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use crate::progress::{Progress, SyncProgress};
 use body::{Shape, Shells};
 use coordinator::{BodySet, CourseFlaw, CourseRequest, TrialResult, random_courses, trial_courses};
 use geometry::rng::Rng;
+use rayon::prelude::*;
 use scenario::{Scenario, Source};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -55,7 +56,11 @@ pub struct BoundsReport {
     first: Option<(u64, String)>,
 }
 
-/// Runs the test. `told` is called with the stops done.
+/// Scenes that are tried before their results are added up: enough that no core waits long for the
+/// last of them.
+const BLOCK: u64 = 256;
+
+/// Runs the test, a scene on each core at a time. `told` is called with the stops done.
 ///
 /// # Errors
 ///
@@ -64,43 +69,26 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
     let pool = Pool::load(&BODIES.map(|(_, name)| name.to_owned()))?;
     let views = pool.bodies.views()?;
     let shells: Vec<Shells> = views.iter().map(|(_, view)| Shells::of(view.corners)).collect();
-    let stage = BodySet { bodies: &views, extremes: None, depth: options.depth };
+    let set = BodySet { bodies: &views, extremes: None, depth: options.depth };
     let bar = Progress::new(options.stops, told);
     let mut all = TrialResult::default();
-    let (mut scenes, mut first, mut seed) = (0_u64, None, options.seed);
+    let (mut scenes, mut first) = (0, None);
     while all.stops < options.stops {
-        // Every scene has its own seed, so that it can be made again alone.
-        let text = random_courses(&mut Rng::new(seed));
-        let scenario = Scenario::parse("random.toml", &text)
-            .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
-        let model = |source: &Source| match source {
-            Source::Generate { shape, .. } => BODIES.iter().position(|(known, _)| known == shape),
-            Source::File(_) => None,
-        };
-        let models = scenario.parties.iter().map(|party| model(&party.source));
-        let models: Option<Vec<usize>> = models.collect();
-        let models =
-            models.ok_or_else(|| Failure::internal("a scene has a body of no known shape"))?;
-        let request = CourseRequest {
-            scenario: &scenario,
-            models: &models,
-            shells: &shells,
-            criteria: requests::criteria(scenes as usize)?,
-            members: scenario.members(),
-            worlds: scenario::Worlds::USUAL,
-            history: false,
-            explanation: false,
-            scene: false,
-        };
-        let stops = (seed, options.per_scene);
-        let one = trial_courses(&stage, &request, stops, options.flaw)?;
-        if let (Some(what), None) = (one.violations.first(), &first) {
-            first = Some((seed, what.clone()));
+        let missing = (options.stops - all.stops).div_ceil(options.per_scene.max(1));
+        let block = scenes..scenes + missing.min(BLOCK);
+        let tried = block.into_par_iter().map(|scene| {
+            let one = try_scene(options, scene, &set, &shells)?;
+            bar.add(one.stops);
+            Ok(one)
+        });
+        // In order, however many cores there are.
+        for one in tried.collect::<Result<Vec<_>, Failure>>()? {
+            if let (Some(what), None) = (one.violations.first(), &first) {
+                first = Some((options.seed.wrapping_add(scenes), what.clone()));
+            }
+            all.add(one);
+            scenes += 1;
         }
-        bar.add(one.stops);
-        all.add(one);
-        scenes += 1;
-        seed += 1;
     }
     Ok(BoundsReport {
         schema: "trolley.certify-bounds/2",
@@ -116,6 +104,38 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
         is_flawed: options.flaw.is_some(),
         first,
     })
+}
+
+/// Stops one scene, counted from 0: it has a seed of its own, so that it can be made again alone.
+fn try_scene(
+    options: &BoundsOptions,
+    scene: u64,
+    set: &BodySet<'_>,
+    shells: &[Shells],
+) -> Result<TrialResult, Failure> {
+    let seed = options.seed.wrapping_add(scene);
+    let text = random_courses(&mut Rng::new(seed));
+    let scenario = Scenario::parse("random.toml", &text)
+        .map_err(|error| Failure::from(error).of_kind(trolley::FailureKind::Internal))?;
+    let model = |source: &Source| match source {
+        Source::Generate { shape, .. } => BODIES.iter().position(|(known, _)| known == shape),
+        Source::File(_) => None,
+    };
+    let models = scenario.parties.iter().map(|party| model(&party.source));
+    let models: Option<Vec<usize>> = models.collect();
+    let models = models.ok_or_else(|| Failure::internal("a scene has a body of no known shape"))?;
+    let request = CourseRequest {
+        scenario: &scenario,
+        models: &models,
+        shells,
+        criteria: requests::criteria(scene as usize)?,
+        members: scenario.members(),
+        worlds: scenario::Worlds::USUAL,
+        history: false,
+        explanation: false,
+        scene: false,
+    };
+    Ok(trial_courses(set, &request, (seed, options.per_scene), options.flaw)?)
 }
 
 impl BoundsReport {

@@ -8,22 +8,23 @@ use super::sweep::FINE;
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
-use parallel::Parallel;
 use runtime::clock;
 use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
 use std::thread;
+use together::Together;
 use trolley::dispatch_options::DispatchOptions;
 use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, Run, Scenario};
 
-mod parallel;
+mod together;
 
 /// What messages cost is measured with these bodies.
 const PAIR: &str = "sedan:20000,suv:20000,deep";
 
-/// Rankings of each kind, in turns.
-const TURNS: u64 = 5;
+/// Rankings of each kind, in turns: as many as level out that a core has more to do for others in
+/// some of them.
+const TURNS: u64 = 9;
 
 /// Numbers of workers, and whether the coordinator shares a core with one of them.
 const SETUPS: [(usize, bool); 4] = [(1, false), (2, true), (4, true), (4, false)];
@@ -41,7 +42,8 @@ pub struct VirtualRow {
     pub coordinator: f64,
     /// Workers are busy for so much of the time, in the mean and the median.
     pub busy: f64,
-    /// The speed-up with real workers, of medians; `None`: there are too few cores.
+    /// The speed-up with real workers, over the ranking alone just before: the median; `None`:
+    /// there are too few cores.
     pub measured: Option<f64>,
 }
 
@@ -54,11 +56,11 @@ pub struct VirtualReport {
     /// Rankings without workers: the median (ms).
     alone_ms: f64,
     costs_ns: [u64; 5],
-    /// How much more arithmetic the cores that are measured on do at once than one does alone: the
-    /// median.
-    parallel_gain: f64,
-    /// How many these are.
+    /// How many cores are measured on.
     cores: usize,
+    /// How many times as much these do at once as one does alone, if each ranks by itself: the
+    /// median. No program gains more. `None`: workers are measured on none.
+    at_once: Option<f64>,
     rows: Vec<VirtualRow>,
 }
 
@@ -89,10 +91,6 @@ impl Kind {
         self.took_ns.clear();
         self.times.clear();
     }
-
-    fn median_ns(&self) -> f64 {
-        least_median_most(&self.took_ns)[1]
-    }
 }
 
 /// Simulates the ranking of a scenario with its overrides and limits. `told` is called with the
@@ -109,59 +107,66 @@ pub fn virtual_cores(
     let costs = message_costs()?;
     // Numbers of workers come after them, and in their place.
     let builder = || Engine::builder().overrides(options.overrides.clone());
-    let mut kinds = vec![Kind::of(builder().in_process())?];
-    let cores = runtime::affinity::allowed_cores().len();
-    let is_measured = |workers: usize, is_shared: bool| used(workers, is_shared) <= cores;
+    let make = || Kind::of(builder().in_process());
+    let mut alone = make()?;
+    let allowed = runtime::affinity::allowed_cores();
+    let is_measured = |workers: usize, is_shared: bool| used(workers, is_shared) <= allowed.len();
+    let (mut simulated, mut measured) = (Vec::new(), Vec::new());
     for (workers, is_shared) in SETUPS {
         let setup = VirtualSetup { workers, is_shared, costs };
         let virtual_cores = Some(setup);
         let dispatch_options = DispatchOptions { virtual_cores, ..DispatchOptions::default() };
-        kinds.push(Kind::of(builder().in_process().dispatch_options(dispatch_options))?);
+        simulated.push(Kind::of(builder().in_process().dispatch_options(dispatch_options))?);
     }
     for (workers, _) in SETUPS.iter().filter(|setup| is_measured(setup.0, setup.1)) {
-        kinds.push(Kind::of(builder().workers(*workers))?);
+        measured.push(Kind::of(builder().workers(*workers))?);
     }
-    let most = SETUPS.iter().map(|setup| used(setup.0, setup.1)).filter(|used| *used <= cores);
-    let most = most.max().unwrap_or(1);
-    let mut gains = Vec::new();
+    let most = SETUPS.iter().map(|setup| used(setup.0, setup.1));
+    let most = most.filter(|used| *used <= allowed.len()).max().unwrap_or(0);
+    let cores = &allowed[..most];
     let bar = Progress::new(TURNS + 1, told);
-    for turn in 0..=TURNS {
-        let mut answer = None;
-        for kind in &mut kinds {
-            let found = kind.rank(&scenario, &options.limits)?;
-            if *answer.get_or_insert_with(|| found.clone()) != found {
+    let at_once_ns = thread::scope(|scope| {
+        let mut together = Together::of(scope, cores, &make, (&scenario, &options.limits));
+        for turn in 0..=TURNS {
+            let answer = alone.rank(&scenario, &options.limits)?;
+            let mut others = together.rank()?;
+            for kind in measured.iter_mut().chain(&mut simulated) {
+                others.push(kind.rank(&scenario, &options.limits)?);
+            }
+            if others.iter().any(|other| *other != answer) {
                 return Err(Failure::internal("an answer depends on how it was worked out"));
             }
+            // Bodies are loaded, and workers started, in the first one.
+            if turn == 0 {
+                let all = measured.iter_mut().chain(&mut simulated);
+                all.chain([&mut alone]).for_each(Kind::forget);
+                together.took_ns.clear();
+            }
+            bar.add(1);
         }
-        // Bodies are loaded, and workers started, in the first one.
-        if turn == 0 {
-            kinds.iter_mut().for_each(Kind::forget);
-        }
-        gains.push(Parallel::measure(most).gain());
-        bar.add(1);
-    }
-    let alone_ns = kinds[0].median_ns();
-    let (simulated, mut measured) = kinds[1..].split_at(SETUPS.len());
-    let mut rows = Vec::new();
-    for ((workers, is_shared), kind) in SETUPS.into_iter().zip(simulated) {
-        let mut row = row(workers, is_shared, &kind.times);
-        if is_measured(workers, is_shared)
-            && let Some((real, rest)) = measured.split_first()
-        {
-            row.measured = Some(alone_ns / real.median_ns());
-            measured = rest;
-        }
-        rows.push(row);
-    }
+        Ok(together.took_ns)
+    })?;
+    let over = |took_ns: &[f64]| {
+        let gains: Vec<f64> =
+            alone.took_ns.iter().zip(took_ns).map(|(alone, took)| alone / took).collect();
+        least_median_most(&gains)[1]
+    };
+    let mut measured = measured.iter();
+    let rows = SETUPS.into_iter().zip(&simulated).map(|((workers, is_shared), kind)| {
+        let real = is_measured(workers, is_shared).then(|| measured.next()).flatten();
+        let measured = real.map(|real| over(&real.took_ns));
+        VirtualRow { measured, ..row(workers, is_shared, &kind.times) }
+    });
+    let rows = rows.collect();
     let MessageCosts { hand_out_ns, flight_ns, send_ns, take_ns, thread_ns } = costs;
     Ok(VirtualReport {
-        schema: "trolley.measure-virtual/2",
+        schema: "trolley.measure-virtual/3",
         scenario: options.scenario.display().to_string(),
         turns: TURNS,
-        alone_ms: alone_ns / 1e6,
+        alone_ms: least_median_most(&alone.took_ns)[1] / 1e6,
         costs_ns: [hand_out_ns, flight_ns, send_ns, take_ns, thread_ns],
-        parallel_gain: least_median_most(&gains)[1],
-        cores: most,
+        cores: cores.len(),
+        at_once: (!cores.is_empty()).then(|| cores.len() as f64 * over(&at_once_ns)),
         rows,
     })
 }
@@ -254,11 +259,15 @@ impl VirtualReport {
             "\nA message takes {hand_out} + {flight} ns to a worker and {send} + {flight} + {take} \
              ns back; a thread starts in {thread} ns."
         );
-        let _ = writeln!(
-            text,
-            "{} cores at once do {:.2} times the arithmetic of one.",
-            self.cores, self.parallel_gain
-        );
+        if let Some(at_once) = self.at_once {
+            let cores = self.cores;
+            let _ = writeln!(
+                text,
+                "{cores} rankings at once, each on a core of its own, take {:.2} times as long as \
+                 one: no program gains more than {at_once:.2} from these cores.",
+                cores as f64 / at_once
+            );
+        }
         text
     }
 }

@@ -132,7 +132,7 @@ impl Engine {
                 plan_ms: milliseconds(effort.search_ns),
                 start_ms: milliseconds(started_ns - loaded_ns),
                 work_ms: milliseconds(effort.surveys_ns),
-                assess_ms: milliseconds(effort.judge_ns),
+                assess_ms: milliseconds(effort.assess_ns + effort.judge_ns),
                 worlds_ms: milliseconds(effort.worlds_ns),
                 stop_ms: 0.0,
             };
