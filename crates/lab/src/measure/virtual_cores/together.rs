@@ -52,11 +52,11 @@ impl Together {
     pub(super) fn rank(&mut self) -> Result<Vec<Answer>, Failure> {
         let gone = || Failure::internal("a thread that ranks has ended");
         for ranker in &self.rankers {
-            ranker.begin.send(()).map_err(|_| gone())?;
+            ranker.begin.send(()).ok().ok_or_else(gone)?;
         }
         let (mut answers, mut sum_ns) = (Vec::new(), 0.0);
         for ranker in &self.rankers {
-            let (answer, took_ns) = ranker.done.recv().map_err(|_| gone())??;
+            let (answer, took_ns) = ranker.done.recv().ok().ok_or_else(gone)??;
             answers.push(answer);
             sum_ns += took_ns;
         }
