@@ -8,16 +8,18 @@ use super::sweep::FINE;
 use crate::pair::PairName;
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{MessageCosts, VirtualSetup, VirtualTime};
+use kind::Kind;
 use runtime::clock;
+use separate::Separate;
 use serde::Serialize;
 use simulate::Costs;
 use std::fmt::Write as _;
 use std::thread;
-use together::Together;
 use trolley::dispatch_options::DispatchOptions;
-use trolley::{Answer, Engine, EngineBuilder, Failure, Limits, Run, Scenario};
+use trolley::{Engine, Failure, Scenario};
 
-mod together;
+mod kind;
+mod separate;
 
 /// What messages cost is measured with these bodies.
 const PAIR: &str = "sedan:20000,suv:20000,deep";
@@ -64,35 +66,6 @@ pub struct VirtualReport {
     rows: Vec<VirtualRow>,
 }
 
-/// One way to rank, and what came of it in each turn (ns).
-struct Kind {
-    engine: Engine,
-    took_ns: Vec<f64>,
-    times: Vec<VirtualTime>,
-}
-
-impl Kind {
-    fn of(builder: EngineBuilder) -> Result<Self, Failure> {
-        let engine = builder.build()?;
-        Ok(Self { engine, took_ns: Vec::new(), times: Vec::new() })
-    }
-
-    fn rank(&mut self, scenario: &Scenario, limits: &Limits) -> Result<Answer, Failure> {
-        let ranking = self.engine.rank(scenario, limits)?;
-        let Run { stages, .. } = &ranking.run;
-        let ms = stages.plan_ms + stages.work_ms + stages.assess_ms + stages.worlds_ms;
-        self.took_ns.push(1e6 * ms);
-        self.times.extend(self.engine.virtual_time().cloned());
-        Ok(ranking.answer)
-    }
-
-    /// Forgets what was measured before anything was warm.
-    fn forget(&mut self) {
-        self.took_ns.clear();
-        self.times.clear();
-    }
-}
-
 /// Simulates the ranking of a scenario with its overrides and limits. `told` is called with the
 /// turns done.
 ///
@@ -126,10 +99,10 @@ pub fn virtual_cores(
     let cores = &allowed[..most];
     let bar = Progress::new(TURNS + 1, told);
     let at_once_ns = thread::scope(|scope| {
-        let mut together = Together::of(scope, cores, &make, (&scenario, &options.limits));
+        let mut separate = Separate::of(scope, cores, &make, (&scenario, &options.limits));
         for turn in 0..=TURNS {
             let answer = alone.rank(&scenario, &options.limits)?;
-            let mut others = together.rank()?;
+            let mut others = separate.rank()?;
             for kind in measured.iter_mut().chain(&mut simulated) {
                 others.push(kind.rank(&scenario, &options.limits)?);
             }
@@ -140,11 +113,11 @@ pub fn virtual_cores(
             if turn == 0 {
                 let all = measured.iter_mut().chain(&mut simulated);
                 all.chain([&mut alone]).for_each(Kind::forget);
-                together.took_ns.clear();
+                separate.took_ns.clear();
             }
             bar.add(1);
         }
-        Ok(together.took_ns)
+        Ok(separate.took_ns)
     })?;
     let over = |took_ns: &[f64]| {
         let gains: Vec<f64> =

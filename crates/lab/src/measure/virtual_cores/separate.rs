@@ -1,14 +1,14 @@
 //! What the cores of this machine do together: they may share a cache, be threads of one core, or
 //! somebody else's for a part of the time, and then no program can gain what their number says.
 
-use super::Kind;
+use super::kind::Kind;
 use runtime::affinity::pin_self;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Scope;
 use trolley::{Answer, Failure, Limits, Scenario};
 
 /// One ranking on each of some cores at once, each by itself.
-pub(super) struct Together {
+pub(super) struct Separate {
     rankers: Vec<Ranker>,
     /// How long a ranking took in each turn: the mean of all cores (ns).
     pub(super) took_ns: Vec<f64>,
@@ -21,7 +21,7 @@ struct Ranker {
     done: Receiver<Result<(Answer, f64), Failure>>,
 }
 
-impl Together {
+impl Separate {
     /// A thread for each of these cores. What it ranks with is made there, at its first ranking.
     pub(super) fn of<'scope>(
         scope: &'scope Scope<'scope, '_>,
