@@ -95,13 +95,14 @@ impl Gathered {
     }
 
     /// Resets to nothing found, between other bodies.
-    pub(crate) fn reset_for(self, triangles_a: usize, triangles_b: usize) -> Self {
-        let Self { mut hits_a, mut hits_b, .. } = self;
+    pub(crate) fn reset_for(&mut self, triangles_a: usize, triangles_b: usize) {
+        let mut hits_a = std::mem::take(&mut self.hits_a);
+        let mut hits_b = std::mem::take(&mut self.hits_b);
         for (hits, triangles) in [(&mut hits_a, triangles_a), (&mut hits_b, triangles_b)] {
             hits.0.clear();
             hits.0.resize(triangles.div_ceil(64), 0);
         }
-        Self { hits_a, hits_b, ..Self::with_room(0, 0) }
+        *self = Self { hits_a, hits_b, ..Self::with_room(0, 0) };
     }
 
     /// Includes one part. Sets, maxima and unions may be included again; sums come with the last

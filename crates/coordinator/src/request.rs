@@ -131,7 +131,8 @@ pub(crate) type Persons = SmallVec<[Person; damage::party::IN_PLACE]>;
 /// Everything that is asked, and what it is judged by.
 #[derive(Clone, Debug)]
 pub(crate) struct Request {
-    pub(crate) candidates: Vec<Candidate>,
+    /// Kilobytes each, and taken from list to list.
+    pub(crate) candidates: Vec<Box<Candidate>>,
     pub(crate) persons: Persons,
     pub(crate) criteria: Criteria,
 }

@@ -19,6 +19,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+#[cfg(test)]
+mod tests;
+
 /// Runs the step that packs, and checks what it packed.
 ///
 /// # Errors
@@ -72,8 +75,9 @@ fn clear(folder: &Path) -> Result<()> {
     }
 }
 
-/// Unpacks all archives of a folder into another one. Returns the name of each package, and its
-/// folder there, in the order of names.
+/// Unpacks all archives of a folder into another one, as files of now: those of an archive are from
+/// 2006, so cargo would take a package that it checked before for unchanged. Returns the name of
+/// each package, and its folder there, in the order of names.
 fn unpack(archives: &Path, to: &Path) -> Result<Vec<(String, String)>> {
     fs::create_dir_all(to).with_context(|| format!("cannot make {}", to.display()))?;
     let entries = fs::read_dir(archives)
@@ -82,9 +86,9 @@ fn unpack(archives: &Path, to: &Path) -> Result<Vec<(String, String)>> {
         .collect::<Result<Vec<PathBuf>>>()?;
     let mut packages = Vec::new();
     for archive in entries.iter().filter(|path| path.extension() == Some(OsStr::new("crate"))) {
-        let done = Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(to).status();
+        let done = Command::new("tar").arg("-xzmf").arg(archive).arg("-C").arg(to).status();
         let done = done.context("cannot start tar, which unpacks archives")?;
-        ensure!(done.success(), "tar -xzf {}: {done}", archive.display());
+        ensure!(done.success(), "tar -xzmf {}: {done}", archive.display());
         // trolley-bvh-0.1.0.crate
         let stem = archive.file_stem().and_then(OsStr::to_str).context("a name in UTF-8")?;
         let (name, _version) = stem.rsplit_once('-').context("a name with a version")?;

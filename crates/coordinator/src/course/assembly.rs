@@ -14,7 +14,7 @@ use damage::{Basis, Criteria, Evidence, assess};
 use geometry::DVec3;
 
 /// A contact that comes next, and the same as a candidate of a request.
-pub(super) type Found = (NextContact, Candidate);
+pub(super) type Found = (NextContact, Box<Candidate>);
 
 /// What contacts are assembled from.
 #[derive(Clone, Copy)]
@@ -47,7 +47,7 @@ impl Assembly<'_, '_> {
         k: usize,
         course: &Course<'_>,
         meeting: &NextContact,
-    ) -> Result<(Candidate, Then), RequestError> {
+    ) -> Result<(Box<Candidate>, Then), RequestError> {
         let Self { scenery, people, stage, extremes, has_limit, .. } = self;
         let support_of = |model: usize, direction: DVec3, near: &mut Option<[f32; 3]>| {
             let view = &stage.bodies[model].1;
@@ -56,6 +56,7 @@ impl Assembly<'_, '_> {
         };
         let is_member = self.is_member(k);
         let contact = contact(scenery, people, course, meeting, &support_of, is_member)?;
+        let contact = Box::new(contact);
         let approach = &contact.approach;
         let is_slow = approach.closing_m_s < STANDSTILL_M_S;
         let parts = !contact.is_stuck && (is_slow || !approach.is_closing());

@@ -283,7 +283,7 @@ impl CourseSearch<'_, '_> {
         &mut self,
         at: usize,
         meeting: NextContact,
-        contact: Result<(Candidate, Then), RequestError>,
+        contact: Result<(Box<Candidate>, Then), RequestError>,
     ) {
         let Self { assembly, courses, ready, bare, .. } = self;
         let Searching { k, course, found, .. } = &mut courses[at];

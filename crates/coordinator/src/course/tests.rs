@@ -372,7 +372,7 @@ fn an_unfinished_contact_that_may_give_way_raises_no_lower_end() {
         let candidate = contact(&scenery, &people, &course, &meeting, &support_of, false);
         let candidate = candidate.expect("it closes");
         let request = Request {
-            candidates: vec![candidate],
+            candidates: vec![Box::new(candidate)],
             persons: people.list.clone(),
             criteria: Criteria::with_policy(Policy::shipped().expect("sound")).expect("sound"),
         };

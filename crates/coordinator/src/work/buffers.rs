@@ -4,6 +4,7 @@
 //! for the next element of their kind. Only capacity, and what depends on the bodies alone, passes
 //! from one request to the next; no finding does.
 
+use super::task::TaskLists;
 use super::{Outlook, TaskState};
 use crate::candidate_state::CandidateState;
 use crate::gather::Gathered;
@@ -33,8 +34,8 @@ pub(crate) struct SurveyBuffers {
 #[derive(Debug, Default)]
 pub(super) struct BufferPool {
     candidate_states: Vec<CandidateState>,
-    tasks: Vec<TaskState>,
-    pub(super) gathered: Vec<Gathered>,
+    tasks: Vec<TaskLists>,
+    pub(super) gathered: Vec<Box<Gathered>>,
     pub(super) rests: Vec<Vec<NodePair>>,
     pub(super) prospects: Vec<Prospect>,
 }
@@ -57,7 +58,7 @@ impl SurveyBuffers {
             spare.rests.extend(state.rests.drain(..).map(|(_, rest)| rest));
         }
         // The last spare is taken first: a request like the last one gets each in its old place.
-        spare.tasks.extend(self.tasks.drain(..).rev());
+        spare.tasks.extend(self.tasks.drain(..).rev().map(TaskState::into_lists));
         spare.candidate_states.extend(self.candidate_states.drain(..).rev());
         for candidate in &request.candidates {
             let used = spare.candidate_states.pop();
@@ -76,15 +77,7 @@ impl BufferPool {
         (stop, travel_m): (usize, f64),
         wire: WireTask,
     ) -> TaskState {
-        let mut todo = Vec::new();
-        let (mut out, mut rests) = (VecDeque::new(), Vec::new());
-        let mut lost = Vec::new();
-        if let Some(used) = self.tasks.pop() {
-            (todo, out, lost, rests) = (used.todo, used.out, used.lost, used.rests);
-            todo.clear();
-            out.clear();
-            lost.clear();
-        }
+        let TaskLists { todo, out, lost, rests } = self.tasks.pop().unwrap_or_default();
         TaskState {
             candidate,
             stop,
@@ -102,10 +95,13 @@ impl BufferPool {
     }
 
     /// An empty result for bodies of these numbers of triangles.
-    pub(super) fn gathered(&mut self, [triangles_a, triangles_b]: [usize; 2]) -> Gathered {
+    pub(super) fn gathered(&mut self, [triangles_a, triangles_b]: [usize; 2]) -> Box<Gathered> {
         match self.gathered.pop() {
-            Some(used) => used.reset_for(triangles_a, triangles_b),
-            None => Gathered::with_room(triangles_a, triangles_b),
+            Some(mut used) => {
+                used.reset_for(triangles_a, triangles_b);
+                used
+            }
+            None => Box::new(Gathered::with_room(triangles_a, triangles_b)),
         }
     }
 }

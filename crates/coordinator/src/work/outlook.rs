@@ -145,7 +145,7 @@ impl SurveyRun<'_> {
             let Some(found) = state.found.as_ref().filter(|_| state.done > 0) else {
                 return Open::whole(candidate, stop, zones);
             };
-            let reach = match (&state.reach, by_cache) {
+            let reach = match (state.reach.as_deref(), by_cache) {
                 (Some((_, reach)), true) => *reach,
                 _ => self.reach_of(task),
             };
@@ -169,10 +169,10 @@ impl SurveyRun<'_> {
         for task in 0..self.tasks.len() as u32 {
             let state = &self.tasks[task as usize];
             let is_stop = state.found.is_some();
-            let is_stale = state.reach.is_none_or(|(count, _)| 2 * state.open() <= count);
+            let is_stale = state.reach.as_ref().is_none_or(|reach| 2 * state.open() <= reach.0);
             if state.candidate == k && is_stop && state.done > 0 && is_stale {
                 let reach = (state.open(), self.reach_of(task));
-                self.tasks[task as usize].reach = Some(reach);
+                self.tasks[task as usize].reach = Some(Box::new(reach));
             }
         }
     }

@@ -29,12 +29,31 @@ pub(crate) struct TaskState {
     /// Jobs that were done.
     pub(super) done: u64,
     /// Created with its jobs, taken when all of them are done.
-    pub(super) found: Option<Gathered>,
+    pub(super) found: Option<Box<Gathered>>,
     /// What its open jobs could still reach, and how many were open when that was computed.
-    pub(super) reach: Option<(usize, Supports)>,
+    pub(super) reach: Option<Box<(usize, Supports)>>,
+}
+
+/// The lists of a task that is over, empty, for the next one.
+#[derive(Debug, Default)]
+pub(super) struct TaskLists {
+    pub(super) todo: Vec<NodePair>,
+    pub(super) out: VecDeque<NodePair>,
+    pub(super) lost: Vec<NodePair>,
+    pub(super) rests: Vec<(NodePair, Vec<NodePair>)>,
 }
 
 impl TaskState {
+    /// Its lists, once nothing is in the last of them.
+    pub(super) fn into_lists(self) -> TaskLists {
+        let Self { mut todo, mut out, mut lost, rests, .. } = self;
+        debug_assert!(rests.is_empty(), "their lists are kept for other tasks");
+        todo.clear();
+        out.clear();
+        lost.clear();
+        TaskLists { todo, out, lost, rests }
+    }
+
     /// Keeps what a part reports as left open; the part may be repeated.
     pub(super) fn store_rest(
         &mut self,
