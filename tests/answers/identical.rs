@@ -150,3 +150,20 @@ fn an_engine_that_is_kept_answers_as_a_new_one_does() {
         }
     }
 }
+
+/// Workers without work call the thread that ranks to their cores, where it has none for itself.
+#[test]
+fn a_thread_that_ranks_may_run_afterwards_where_it_could_before() {
+    let place = Place::new();
+    let scenario = Scenario::open(place.write("next.toml", &ways(1200))).unwrap();
+    let cores = runtime::affinity::allowed_cores();
+    let mut engine = builder().workers(cores.len()).build().unwrap();
+    for turn in 0..5 {
+        engine.rank(&scenario, &Limits::default()).unwrap();
+        // The last call may not be over yet.
+        let begun = std::time::Instant::now();
+        while runtime::affinity::allowed_cores() != cores {
+            assert!(begun.elapsed().as_secs() < 5, "turn {turn}");
+        }
+    }
+}

@@ -91,8 +91,8 @@ pub struct WorkerPool {
     restarts: Restarts,
     /// Incidents since the start of the request.
     incidents: Vec<Incident>,
-    /// How many cores this process may run on, at least 1.
-    cores: usize,
+    /// The cores that this thread may run on.
+    own_cores: Vec<usize>,
     /// Queue per worker; `None` if nothing is copied.
     outgoing: Option<Vec<Outgoing>>,
     rejected: u64,
@@ -156,7 +156,7 @@ impl WorkerPool {
             options: options.clone(),
             restarts: Restarts::new(options.intensity),
             incidents: Vec::new(),
-            cores: runtime::affinity::allowed_cores().len().max(1),
+            own_cores: runtime::affinity::allowed_cores(),
             outgoing: options.copies.then(|| (0..workers).map(|_| Outgoing::default()).collect()),
             rejected: 0,
             duty: Duty::default(),
@@ -187,12 +187,24 @@ impl WorkerPool {
 
     /// The cores of the workers: idle while none of them is given work. One is this process's own.
     pub(crate) fn idle_cores(&self) -> IdleCores {
-        IdleCores::of(&self.options.cores, self.cores - 1)
+        IdleCores::of(&self.options.cores, self.own_cores.len().saturating_sub(1))
     }
 
     /// Whether no core is free of workers: spinning would take a worker's time.
     fn shares_core(&self) -> bool {
-        self.cores <= self.workers.len()
+        self.own_cores.len() <= self.workers.len()
+    }
+
+    /// The cores of this thread, one bit each, if workers call it to theirs: it has none for
+    /// itself, and each of them has one. Else 0.
+    fn cores_to_call_from(&self) -> u64 {
+        let Self { own_cores, options, .. } = self;
+        let is_workers = |core: &usize| *core < 64 && options.cores.contains(&Some(*core));
+        let has_choice = own_cores.len() > 1 && own_cores.len() == options.cores.len();
+        if !has_choice || !own_cores.iter().all(is_workers) {
+            return 0;
+        }
+        own_cores.iter().fold(0, |bits, core| bits | 1 << core)
     }
 
     /// Whether sections are copied into the memory of each worker.
@@ -317,6 +329,10 @@ impl WorkerPool {
 
     /// Begins a request: counts start from zero, and every ready worker may have jobs.
     fn begin(&mut self) {
+        if self.cores_to_call_from() != 0 {
+            // A worker that died while it called has left us on its core.
+            let _anywhere = runtime::affinity::widen_self(&self.own_cores);
+        }
         self.request += 1;
         self.rejected = 0;
         self.duty = Duty::default();

@@ -42,6 +42,11 @@ pub struct Launch {
     /// Whether it executes [`crate::FaultCommand`]s: only for fault injection.
     #[cfg(feature = "faults")]
     pub obeys: bool,
+    /// The thread of the coordinator, as the kernel numbers it.
+    pub thread: u32,
+    /// The cores of that thread, one bit each, if it has none for itself, and a worker without work
+    /// calls it to its own; 0: it does not.
+    pub cores: u64,
     /// The location of its channels: text written and read by the transport.
     pub domain: String,
 }
@@ -50,11 +55,13 @@ impl Launch {
     /// Encodes the word.
     #[must_use]
     pub fn to_word(&self) -> String {
-        let Self { who, boot, batch, queue, copies, domain, .. } = self;
+        let Self { who, boot, batch, queue, copies, thread, cores, domain, .. } = self;
         let flags = u8::from(*copies) * COPIES;
         #[cfg(feature = "faults")]
         let flags = flags | (u8::from(self.obeys) * OBEYS);
-        format!("{}.{}:{:x}:{batch}:{queue}:{flags}:{domain}", who.worker, who.inc, boot.0)
+        let Incarnation { worker, inc } = who;
+        let boot = boot.0;
+        format!("{worker}.{inc}:{boot:x}:{batch}:{queue}:{flags}:{thread}:{cores:x}:{domain}")
     }
 
     /// Decodes the word; `None` if it was not written by [`Launch::to_word`], or requires something
@@ -62,7 +69,7 @@ impl Launch {
     /// that obeys.
     #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
-        let mut fields = word.splitn(6, ':');
+        let mut fields = word.splitn(8, ':');
         let (worker, inc) = fields.next()?.split_once('.')?;
         let who = Incarnation { worker: worker.parse().ok()?, inc: inc.parse().ok()? };
         let boot = Boot(u64::from_str_radix(fields.next()?, 16).ok()?);
@@ -79,6 +86,8 @@ impl Launch {
             copies: flags & COPIES != 0,
             #[cfg(feature = "faults")]
             obeys: flags & OBEYS != 0,
+            thread: fields.next()?.parse().ok()?,
+            cores: u64::from_str_radix(fields.next()?, 16).ok()?,
             domain: fields.next()?.to_owned(),
         })
     }
@@ -137,16 +146,18 @@ mod tests {
             copies: true,
             #[cfg(feature = "faults")]
             obeys: true,
+            thread: 4_194_304,
+            cores: 0x8000_0000_0000_0003,
             domain: "/dev/shm/trolley.demo:with:colons".to_owned(),
         };
         assert_eq!(Launch::from_word(&launch.to_word()), Some(launch));
         assert_eq!(Launch::from_word(""), None);
-        assert_eq!(Launch::from_word("1:2:3:4:5:6"), None);
+        assert_eq!(Launch::from_word("1:2:3:4:5:6:7:8"), None);
     }
 
     #[test]
     fn flags_that_this_build_cannot_follow_are_refused() {
-        let read = |flags: u8| Launch::from_word(&format!("0.0:1:16:64:{flags}:x"));
+        let read = |flags: u8| Launch::from_word(&format!("0.0:1:16:64:{flags}:1:0:x"));
         assert_eq!(read(1).map(|launch| launch.copies), Some(true));
         assert_eq!(read(2).is_some(), cfg!(feature = "faults"));
         assert_eq!(read(4), None);

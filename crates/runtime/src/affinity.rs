@@ -1,10 +1,11 @@
-//! Which cores this process may use, and staying on one of them.
+//! Which cores this process may use, staying on one of them, and calling somebody there.
 //!
 //! Cores have the kernel's numbers. Cores that are not allowed (a container's cpuset) are treated
 //! as absent.
 
 use crate::error::{OsError, Result};
-use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
+use rustix::io::Errno;
+use rustix::thread::{CpuSet, Pid, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
 /// The cores that the calling thread may run on, ascending; empty if the kernel does not say.
 #[must_use]
@@ -50,6 +51,33 @@ pub fn widen_self(cores: &[usize]) -> Result<()> {
         sched_setaffinity(None, &set)
     });
     widened.map_err(OsError::at("widen to cores", "those of workers"))
+}
+
+/// Moves a thread, of this process or of another one, to a core, and lets it run on all of `cores`
+/// again. Where it waits for its turn on another core, or takes the turn of somebody there, it goes
+/// on here at once.
+///
+/// If this process dies in between, the thread stays on that core until it is called again, or
+/// [widens](widen_self) where it may run.
+///
+/// # Errors
+///
+/// If there is no such thread, it is somebody else's, or one of the cores is not allowed.
+pub fn call(thread: u32, core: usize, cores: &[usize]) -> Result<()> {
+    let pid = i32::try_from(thread).ok().and_then(Pid::from_raw);
+    let moved = pid.ok_or_else(|| std::io::Error::from(Errno::SRCH)).and_then(|pid| {
+        let mut all = only(core)?;
+        sched_setaffinity(Some(pid), &all)?;
+        cores.iter().filter(|core| **core < CpuSet::MAX_CPU).for_each(|core| all.set(*core));
+        Ok(sched_setaffinity(Some(pid), &all)?)
+    });
+    moved.map_err(|source| OsError::new("call to core", core.to_string(), source))
+}
+
+/// The kernel's number of the calling thread.
+#[must_use]
+pub fn this_thread() -> u32 {
+    gettid().as_raw_pid().unsigned_abs()
 }
 
 /// The set of this core alone.

@@ -8,7 +8,7 @@
 //! | [`memory`] | the sealed model store, the status page, files read into aligned memory |
 //! | [`output`] | files written whole, which replace regular files alone |
 //! | [`process`] | children that die with their parent and are never left as zombies |
-//! | [`affinity`] | which cores there are, and staying on one |
+//! | [`affinity`] | which cores there are, staying on one, calling somebody there |
 //! | [`counters`] | instructions and cache misses of a process, where there are counters |
 //! | [`wait`] | one epoll over eventfds, children, a timer and signals |
 //! | [`guard`] | the end of a process within a bound, whatever hangs in it |

@@ -19,6 +19,7 @@
 //! It does not know candidates, requests or harm, and it never parses a mesh.
 
 mod answer;
+mod call;
 mod copy;
 #[cfg(feature = "faults")]
 mod fault;

@@ -1,6 +1,7 @@
 //! The main loop of a worker: inherit, greet, take batches until told to stop.
 
 use crate::answer::{Answer, Outlet, Started};
+use crate::call::{CALL_AGAIN_NS, CALL_NS, Call};
 use crate::copy::Copies;
 #[cfg(feature = "faults")]
 use crate::fault::FaultCommands;
@@ -112,6 +113,7 @@ pub fn run(word: &str, build: &str) -> Result<(), WorkerError> {
     outlet.tell(outlet.head(RequestId(0), MessageKind::Hello))?;
     line.state.store(WorkerState::Ready as u32, Ordering::Release);
     let mut job_loop = JobLoop::new(&bodies, paths, &outlet);
+    job_loop.call = Call::of(&launch, page);
     if launch.copies {
         job_loop.copies = Some(Copies::like(bodies.iter().map(|(_, body)| body)));
     }
@@ -134,6 +136,8 @@ struct JobLoop<'w> {
     outlet: &'w Outlet<'w>,
     executor: Executor,
     looker: Looker,
+    /// Set if the coordinator is called here when there is nothing to do.
+    call: Option<Call<'w>>,
     /// Set if jobs are done on copies.
     copies: Option<Copies>,
     /// Set if faults are injected.
@@ -149,6 +153,7 @@ impl<'w> JobLoop<'w> {
             outlet,
             executor,
             looker: Looker::new(paths),
+            call: None,
             copies: None,
             #[cfg(feature = "faults")]
             fault_commands: None,
@@ -173,6 +178,7 @@ impl<'w> JobLoop<'w> {
         let Outlet { line, coordinator, .. } = self.outlet;
         let backoff = Backoff::new();
         let idle_from_ns = clock::now_ns();
+        let mut call_ns = CALL_NS;
         loop {
             let seen = coordinator.wake.load(Ordering::SeqCst);
             if coordinator.stop.load(Ordering::Acquire) == 1 {
@@ -200,7 +206,12 @@ impl<'w> JobLoop<'w> {
                 }
                 None => {}
             }
-            if clock::now_ns() - idle_from_ns < AWAKE_NS {
+            let idle_ns = clock::now_ns() - idle_from_ns;
+            if idle_ns >= call_ns {
+                call_ns = idle_ns + CALL_AGAIN_NS;
+                self.call = self.call.take().filter(Call::make);
+            }
+            if idle_ns < AWAKE_NS {
                 // Whoever else waits for this core goes first.
                 backoff.snooze();
                 continue;

@@ -124,6 +124,8 @@ impl WorkerPool {
             copies: options.copies,
             #[cfg(feature = "faults")]
             obeys: options.obeys,
+            thread: runtime::affinity::this_thread(),
+            cores: self.cores_to_call_from(),
             domain: self.domain.text().to_owned(),
         };
         let wake_fd = self.poller.add_event(key)?;

@@ -1,6 +1,8 @@
 //! Pinning, on whatever cores this machine allows.
 
 use super::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 #[test]
 fn a_pinned_thread_stays_where_it_is() {
@@ -29,6 +31,45 @@ fn a_thread_on_one_core_may_run_on_more() {
         (alone, allowed_cores())
     });
     assert_eq!(seen.join().unwrap(), (vec![first], all));
+}
+
+#[test]
+fn a_thread_that_is_called_goes_on_there_and_may_run_anywhere_again() {
+    let cores = allowed_cores();
+    let (tell, told) = std::sync::mpsc::channel();
+    let (seen, is_over) = (AtomicUsize::new(usize::MAX), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let thread = scope.spawn(|| {
+            tell.send(this_thread()).unwrap();
+            // It works all the time, as one does that is called away from somebody's core.
+            while !is_over.load(Ordering::SeqCst) {
+                seen.store(current_core().unwrap_or(usize::MAX), Ordering::SeqCst);
+            }
+            allowed_cores()
+        });
+        let called = told.recv().unwrap();
+        let begun = Instant::now();
+        for core in cores.iter().cycle().take(3 * cores.len()) {
+            while seen.load(Ordering::SeqCst) != *core && begun.elapsed().as_secs() < 20 {
+                call(called, *core, &cores).unwrap();
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        is_over.store(true, Ordering::SeqCst);
+        assert!(begun.elapsed().as_secs() < 20, "it never got there");
+        assert_eq!(thread.join().unwrap(), cores);
+    });
+}
+
+#[test]
+fn nobody_is_called_who_is_not_there() {
+    let cores = allowed_cores();
+    // Beyond the greatest number that the kernel gives.
+    for thread in [0, 1 << 22, u32::MAX] {
+        assert!(call(thread, cores[0], &cores).is_err(), "{thread}");
+    }
+    call(this_thread(), usize::MAX, &cores).expect_err("there is no such core");
+    assert_eq!(allowed_cores(), cores);
 }
 
 #[test]
