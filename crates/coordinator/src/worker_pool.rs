@@ -207,6 +207,15 @@ impl WorkerPool {
         own_cores.iter().fold(0, |bits, core| bits | 1 << core)
     }
 
+    /// Leaves the core of a worker that died while it called this thread there.
+    fn leave_core_of(&self, worker: usize) {
+        let core = self.options.cores.get(worker).copied().flatten();
+        let is_left = || runtime::affinity::allowed_cores().into_iter().eq(core);
+        if self.cores_to_call_from() != 0 && is_left() {
+            let _anywhere = runtime::affinity::widen_self(&self.own_cores);
+        }
+    }
+
     /// Whether sections are copied into the memory of each worker.
     pub(crate) fn copies(&self) -> bool {
         self.outgoing.is_some()
@@ -329,10 +338,6 @@ impl WorkerPool {
 
     /// Begins a request: counts start from zero, and every ready worker may have jobs.
     fn begin(&mut self) {
-        if self.cores_to_call_from() != 0 {
-            // A worker that died while it called has left us on its core.
-            let _anywhere = runtime::affinity::widen_self(&self.own_cores);
-        }
         self.request += 1;
         self.rejected = 0;
         self.duty = Duty::default();

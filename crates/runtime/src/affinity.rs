@@ -55,21 +55,27 @@ pub fn widen_self(cores: &[usize]) -> Result<()> {
 
 /// Moves a thread, of this process or of another one, to a core, and lets it run on all of `cores`
 /// again. Where it waits for its turn on another core, or takes the turn of somebody there, it goes
-/// on here at once.
+/// on here at once. Returns whether it was called: it is left alone where it may not run on all of
+/// `cores` now, or on others too.
 ///
-/// If this process dies in between, the thread stays on that core until it is called again, or
+/// If this process dies in between, the thread stays on that core until it
 /// [widens](widen_self) where it may run.
 ///
 /// # Errors
 ///
 /// If there is no such thread, it is somebody else's, or one of the cores is not allowed.
-pub fn call(thread: u32, core: usize, cores: &[usize]) -> Result<()> {
+pub fn call(thread: u32, core: usize, cores: &[usize]) -> Result<bool> {
     let pid = i32::try_from(thread).ok().and_then(Pid::from_raw);
     let moved = pid.ok_or_else(|| std::io::Error::from(Errno::SRCH)).and_then(|pid| {
-        let mut all = only(core)?;
-        sched_setaffinity(Some(pid), &all)?;
+        let now = sched_getaffinity(Some(pid))?;
+        let mut all = CpuSet::new();
         cores.iter().filter(|core| **core < CpuSet::MAX_CPU).for_each(|core| all.set(*core));
-        Ok(sched_setaffinity(Some(pid), &all)?)
+        if now != all {
+            return Ok(false);
+        }
+        sched_setaffinity(Some(pid), &only(core)?)?;
+        sched_setaffinity(Some(pid), &all)?;
+        Ok(true)
     });
     moved.map_err(|source| OsError::new("call to core", core.to_string(), source))
 }

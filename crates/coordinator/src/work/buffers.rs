@@ -35,6 +35,7 @@ pub(crate) struct SurveyBuffers {
 pub(super) struct BufferPool {
     candidate_states: Vec<CandidateState>,
     tasks: Vec<TaskLists>,
+    #[expect(clippy::vec_box, reason = "each goes into a task and comes back as it is")]
     pub(super) gathered: Vec<Box<Gathered>>,
     pub(super) rests: Vec<Vec<NodePair>>,
     pub(super) prospects: Vec<Prospect>,

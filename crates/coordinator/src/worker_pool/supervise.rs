@@ -200,6 +200,7 @@ impl WorkerPool {
     pub(super) fn detach(&mut self, number: usize) {
         self.poller.remove_process(number as u32);
         self.poller.remove_event(number as u32);
+        self.leave_core_of(number);
         self.restarts.note(number as u8, clock::now_ns());
     }
 }

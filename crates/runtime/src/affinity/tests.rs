@@ -1,8 +1,8 @@
 //! Pinning, on whatever cores this machine allows.
 
 use super::*;
+use crate::clock::{nap_ns, now_ns};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
 #[test]
 fn a_pinned_thread_stays_where_it_is() {
@@ -48,15 +48,15 @@ fn a_thread_that_is_called_goes_on_there_and_may_run_anywhere_again() {
             allowed_cores()
         });
         let called = told.recv().unwrap();
-        let begun = Instant::now();
+        let end_ns = now_ns() + 20_000_000_000;
         for core in cores.iter().cycle().take(3 * cores.len()) {
-            while seen.load(Ordering::SeqCst) != *core && begun.elapsed().as_secs() < 20 {
-                call(called, *core, &cores).unwrap();
-                std::thread::sleep(Duration::from_millis(1));
+            while seen.load(Ordering::SeqCst) != *core && now_ns() < end_ns {
+                assert!(call(called, *core, &cores).unwrap());
+                nap_ns(1_000_000);
             }
         }
         is_over.store(true, Ordering::SeqCst);
-        assert!(begun.elapsed().as_secs() < 20, "it never got there");
+        assert!(now_ns() < end_ns, "it never got there");
         assert_eq!(thread.join().unwrap(), cores);
     });
 }
@@ -70,6 +70,21 @@ fn nobody_is_called_who_is_not_there() {
     }
     call(this_thread(), usize::MAX, &cores).expect_err("there is no such core");
     assert_eq!(allowed_cores(), cores);
+}
+
+#[test]
+fn a_thread_that_stays_on_some_cores_is_left_alone() {
+    let cores = allowed_cores();
+    for core in cores.clone() {
+        let all = cores.clone();
+        let stays = move || {
+            pin_self(core).unwrap();
+            let called = all.iter().any(|to| call(this_thread(), *to, &all).unwrap());
+            (called, allowed_cores())
+        };
+        let is_alone = cores.len() == 1;
+        assert_eq!(std::thread::spawn(stays).join().unwrap(), (is_alone, vec![core]));
+    }
 }
 
 #[test]
