@@ -38,10 +38,9 @@ impl<'w> Call<'w> {
     /// Calls it, if all other workers are at work: where one of them has nothing to do either, it
     /// was called there already, or is about to. `false`: it cannot be called.
     pub(crate) fn make(&self) -> bool {
-        let is_ready = |state: u32| WorkerState::from_number(state) == Some(WorkerState::Ready);
         let others = self.page.workers.iter().enumerate();
         let others = others.filter(|(number, _)| *number != self.worker).map(|(_, line)| line);
-        let mut others = others.filter(|line| is_ready(line.state.load(Ordering::Relaxed)));
+        let mut others = others.filter(|line| line.state() == Some(WorkerState::Ready));
         let all_work = others.all(|line| line.started.load(Ordering::Relaxed) != 0);
         !all_work || affinity::call(self.thread, self.core, &self.cores).is_ok()
     }
