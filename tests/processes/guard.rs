@@ -58,7 +58,7 @@ fn a_second_signal_ends_a_service_that_hangs_at_once() {
     let (code, lasted) = frozen_and_told(&[], |serving| {
         signal(serving.child.id(), Signal::TERM);
         wait_for::<()>(300, || None);
-        signal(serving.child.id(), Signal::INT);
+        signal(serving.child.id(), Signal::TERM);
     });
     assert_eq!(code, Some(128 + 15));
     assert!(lasted < Duration::from_millis(1_300), "{lasted:?}");

@@ -146,10 +146,10 @@ fn without_any_worker_left_there_is_a_clear_error() {
 }
 
 #[test]
-fn an_interrupted_run_says_so_and_leaves_nothing() {
+fn a_run_that_is_told_to_end_says_so_and_leaves_nothing() {
     let place = Place::new();
-    let interrupt = |run: &Started| signal(run.child.id(), Signal::INT);
-    let (output, _) = disturbed(&place, 2, &[], interrupt, |output| !output.status.success());
+    let end = |run: &Started| signal(run.child.id(), Signal::TERM);
+    let (output, _) = disturbed(&place, 2, &[], end, |output| !output.status.success());
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
 }
 

@@ -8,16 +8,24 @@ use crate::support::{
 };
 use rustix::process::Signal;
 use std::os::unix::process::ExitStatusExt as _;
-use std::process::{Child, Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 
-/// The program, started by a shell that ignores SIGINT.
-fn deaf() -> Command {
-    let program = trolley();
-    let mut command = Command::new("sh");
-    command.args(["-c", "trap '' INT; exec \"$0\" \"$@\""]).arg(program.get_program());
-    command.stdin(std::process::Stdio::null());
-    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+/// The program, started by the words of a command that becomes the one named after them.
+fn started_by(words: &[&str]) -> Command {
+    let mut command = Command::new(words[0]);
+    command.args(&words[1..]).arg(trolley().get_program());
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
+}
+
+/// The program, with SIGINT ignored.
+fn deaf() -> Command {
+    started_by(&["sh", "-c", "trap '' INT; exec \"$0\" \"$@\""])
+}
+
+/// The program, with SIGINT as a terminal gives it, also where these tests were started with `&`.
+fn hearing() -> Command {
+    started_by(&["env", "--default-signal=INT"])
 }
 
 /// How a command that works with two workers ends that is interrupted in the middle. `command`
@@ -56,7 +64,7 @@ const COMMANDS: [&[&str]; 2] = [&["rank", "?"], &["measure", "--scenario", "?"]]
 #[test]
 fn ctrl_c_ends_a_run_with_130_and_leaves_nothing() {
     for args in COMMANDS {
-        let output = interrupted(trolley, args);
+        let output = interrupted(hearing, args);
         assert_eq!(output.status.code(), Some(130), "{args:?}: {}", text(&output.stderr));
         assert!(text(&output.stderr).contains("interrupted"), "{}", text(&output.stderr));
     }
@@ -77,7 +85,7 @@ fn a_service_hears_ctrl_c_unless_it_was_started_deaf() {
     let bodies = of_ways(600);
     let scenario = place.write("ways.toml", &crate::support::ways(600));
 
-    let mut serving = serve_by(trolley(), &deployment(&place, 2, &bodies), &instance(), &[]);
+    let mut serving = serve_by(hearing(), &deployment(&place, 2, &bodies), &instance(), &[]);
     signal(serving.child.id(), Signal::INT);
     let status = wait_for(20_000, || serving.child.try_wait().unwrap()).expect("it ends");
     assert_eq!(status.code(), Some(0));
@@ -108,7 +116,7 @@ fn a_campaign_that_is_told_to_end_leaves_no_folder() {
                 workers = 2\ndepth = 4\nat_once = 1\n[faults]\nflip-management = 1000\n";
     let plan = place.write("plan.toml", plan);
     for end in [Signal::TERM, Signal::INT] {
-        let mut child = trolley().arg("inject").arg(&plan).spawn().unwrap();
+        let mut child = hearing().arg("inject").arg(&plan).spawn().unwrap();
         let pid = child.id();
         let made = wait_for(60_000, || {
             let is_over = child.try_wait().unwrap().is_some();
