@@ -50,6 +50,7 @@ mod remarks;
 mod rounds;
 mod search;
 mod searched;
+mod selection;
 mod stages;
 mod stop;
 #[cfg(any(test, feature = "faults"))]
@@ -82,6 +83,7 @@ use history::{SearchClock, Surveyor};
 use judged::Judged;
 use member::Member;
 use rounds::Rounds;
+use selection::Selection;
 use stages::Stages;
 use way::{Scenery, Way};
 
@@ -354,16 +356,25 @@ impl Stages for Followed<'_, '_, '_> {
             rounds.draw(count)?;
             rounds.effort.search_ns += clock::now_ns() - begun_ns;
         }
+        let mut selection = Selection::default();
         loop {
-            let round = rounds.search(surveyor, time)?;
             let begun_ns = clock::now_ns();
-            let round = rounds.spare(round)?;
+            let chosen = selection.next(rounds)?;
             rounds.effort.assess_ns += clock::now_ns() - begun_ns;
-            if round.meetings.is_empty() {
+            if chosen.is_empty() {
                 return Ok(());
             }
-            for part in round.parts(PART_MAX) {
-                rounds.survey(&part, surveyor)?;
+            loop {
+                let round = rounds.search(&chosen, surveyor, time)?;
+                let begun_ns = clock::now_ns();
+                let round = rounds.spare(round)?;
+                rounds.effort.assess_ns += clock::now_ns() - begun_ns;
+                if round.meetings.is_empty() {
+                    break;
+                }
+                for part in round.parts(PART_MAX) {
+                    rounds.survey(&part, surveyor)?;
+                }
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::assess::Risk;
 use crate::course::CourseHarm;
 use crate::interval::{Interval, Range};
 use crate::policy::Policy;
-use crate::rank::{Place, RankError, RankedCandidates, Scratch, rank_in};
+use crate::rank::{Place, RankError, RankedCandidates, Scratch, leading_in, rank_in};
 use crate::rule::{Others, Stake};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -39,11 +39,22 @@ pub struct Lead {
     pub error: f64,
 }
 
+/// By which share a mean has to be below its sampling error to be nearer to 0: far above the
+/// rounding of both, so that rounding does not decide where they are equal, as they are where one
+/// member alone tells two candidates apart.
+const SLACK: f64 = 1e-9;
+
 impl Lead {
+    /// Of these differences, one per member.
+    fn of(apart: &[f64]) -> Self {
+        let (mean, error) = sampled(apart);
+        Self { mean, error }
+    }
+
     /// Whether the two are too close to call.
     #[must_use]
     pub fn is_close(&self) -> bool {
-        self.mean.abs() < self.error
+        self.mean.abs() < self.error * (1.0 - SLACK)
     }
 }
 
@@ -204,23 +215,20 @@ pub fn spreads(
     let lead = match order {
         [first, second, ..] => {
             let pairs = leading[*first].iter().zip(&leading[*second]);
-            let apart: Vec<f64> = pairs.map(|(first, second)| second - first).collect();
-            let (mean, error) = sampled(&apart);
-            Some(Lead { mean, error })
+            Some(Lead::of(&pairs.map(|(first, second)| second - first).collect::<Vec<f64>>()))
         }
         _ => None,
     };
     Ok(Spreads { candidates: (0..candidates).map(spread).collect(), lead, leading })
 }
 
-/// Share of a sum of squares that is far above its rounding and far below what decides.
-const SLACK: f64 = 1e-9;
-
-/// Whether the lead of a candidate over any other may turn out too close to call, whatever open
-/// work finds. `harms` as for [`spreads`], but for what is open.
+/// Which candidates' leads from the first one may turn out too close to call, whatever open work
+/// finds: by candidate. `harms` as for [`spreads`], but for what is open.
 ///
-/// Sound, not sharp: with every difference in its interval, the mean is at least the mean of lower
-/// ends, and the variance at most that of the farther ends about it.
+/// Of differences x, the mean is nearer to 0 than its sampling error s/√N just if (Σx)² < Σx². If
+/// the sum of their lower ends is L ≥ 0 and L² is at least the sum of their squares, then L is at
+/// least each of them, so no difference can grow without (Σx)² − Σx² doing so: the lower ends
+/// decide, however much is open above them. So do the upper ends if all is the other way around.
 ///
 /// # Errors
 ///
@@ -230,33 +238,44 @@ pub fn may_be_close(
     stakes: &[Stake],
     harms: &[Vec<CourseHarm>],
     first: usize,
-) -> Result<bool, RankError> {
-    let count = harms.len() as f64;
+) -> Result<Vec<bool>, RankError> {
     let candidates = harms.first().map_or(0, Vec::len);
-    // Per candidate: the sum of lower ends, and of squares of farther ends.
-    let mut sums = vec![(0.0, 0.0); candidates];
-    let (mut scratch, mut ranking) = (Scratch::default(), RankedCandidates::default());
-    let mut leading = vec![Interval::ZERO; candidates];
+    // Per candidate: sum and sum of squares of the lower ends, then of the upper ends.
+    let mut sums = vec![[(0.0, 0.0); 2]; candidates];
+    let (mut scratch, mut leading) = (Scratch::default(), Vec::new());
     for harms in harms {
-        rank_in(&mut scratch, policy, stakes, harms, &mut ranking)?;
-        for place in &ranking.places {
-            leading[place.candidate] = place.work;
-        }
+        leading_in(&mut scratch, policy, stakes, harms, &mut leading)?;
         for (sums, of) in sums.iter_mut().zip(&leading) {
-            let (low, high) = (of.lo() - leading[first].hi(), of.hi() - leading[first].lo());
-            sums.0 += low;
-            sums.1 += (low * low).max(high * high);
+            let ends = [of.lo() - leading[first].hi(), of.hi() - leading[first].lo()];
+            for ((sum, squares), end) in sums.iter_mut().zip(ends) {
+                *sum += end;
+                *squares += end * end;
+            }
         }
     }
-    let is_close = |(low, squares): &(f64, f64)| {
-        let least = low / count;
-        // What is lost in the subtraction must not make a lead look clearer than it is.
-        let spread = squares * (1.0 + SLACK) - count * least * least;
-        let variance = spread.max(0.0) / (count - 1.0).max(1.0);
-        least < 0.0 || least * least < variance / count
+    let is_clear = |[(low, low_squares), (high, high_squares)]: [(f64, f64); 2]| {
+        low >= 0.0 && low * low >= low_squares || high <= 0.0 && high * high >= high_squares
     };
-    let mut others = sums.iter().enumerate().filter(|(k, _)| *k != first);
-    Ok(others.any(|(_, sums)| is_close(sums)))
+    Ok(sums.into_iter().enumerate().map(|(k, sums)| k != first && !is_clear(sums)).collect())
+}
+
+/// The lead of one candidate over another, with nothing open in either. `harms` as for [`spreads`].
+///
+/// # Errors
+///
+/// As [`crate::rank()`].
+pub fn lead(
+    policy: &Policy,
+    stakes: &[Stake],
+    harms: &[Vec<CourseHarm>],
+    [first, second]: [usize; 2],
+) -> Result<Lead, RankError> {
+    let (mut scratch, mut leading) = (Scratch::default(), Vec::new());
+    let apart = harms.iter().map(|harms| {
+        leading_in(&mut scratch, policy, stakes, harms, &mut leading)?;
+        Ok(leading[second].hi() - leading[first].hi())
+    });
+    Ok(Lead::of(&apart.collect::<Result<Vec<f64>, _>>()?))
 }
 
 #[cfg(test)]

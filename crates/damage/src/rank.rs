@@ -188,6 +188,28 @@ pub fn rank_in<H: Assessed>(
     Ok(())
 }
 
+/// The leading measure of each candidate over open work, as [`Place::work`] has it; the contents of
+/// `leading` are replaced.
+///
+/// # Errors
+///
+/// As [`rank()`].
+pub(crate) fn leading_in<H: Assessed>(
+    scratch: &mut Scratch,
+    policy: &Policy,
+    stakes: &[Stake],
+    candidates: &[H],
+    leading: &mut Vec<Interval>,
+) -> Result<(), RankError> {
+    let Scratch { figures, steps, .. } = scratch;
+    write_figures(stakes, candidates, figures)?;
+    policy.write_steps(stakes.len(), steps);
+    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
+    leading.clear();
+    leading.extend((0..candidates.len()).map(|k| order.over(order.leading_measure().0, k)));
+    Ok(())
+}
+
 /// The figures of all candidates, checked.
 fn figures_of<H: Assessed>(stakes: &[Stake], candidates: &[H]) -> Result<Vec<Figures>, RankError> {
     let mut figures = Vec::new();
@@ -343,13 +365,18 @@ impl RankOrder<'_> {
         measure.over(&figures.risks, figures.energy_j, self.stakes).map(rounded)
     }
 
-    /// The leading measure of a candidate, over work and over the model, and its tolerance.
-    fn leading(&self, k: usize) -> (Interval, Range, f64) {
+    /// The leading measure, and its tolerance.
+    fn leading_measure(&self) -> (&Measure, f64) {
         let first = self.steps.iter().find_map(|step| match step {
             Step::Least { measure, tolerance } => Some((measure, *tolerance)),
             Step::Accept { .. } => None,
         });
-        let (measure, tolerance) = first.unwrap_or((&Measure::Rule(Rule::Bayes), 0.0));
+        first.unwrap_or((&Measure::Rule(Rule::Bayes), 0.0))
+    }
+
+    /// The leading measure of a candidate, over work and over the model, and its tolerance.
+    fn leading(&self, k: usize) -> (Interval, Range, f64) {
+        let (measure, tolerance) = self.leading_measure();
         let figures = &self.figures[k];
         let work = self.over(measure, k);
         let model = measure.over(&figures.ranges, figures.energy_j, self.stakes).map(rounded);

@@ -15,6 +15,7 @@ use trolley::{Failure, FailureKind};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley certify share --requests 24
+  trolley certify share --members 32
   trolley certify bounds --stops 140000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
@@ -65,6 +66,11 @@ pub(crate) struct ShareArgs {
     /// Only scenes in which every candidate meets somebody.
     #[arg(long)]
     unavoidable: bool,
+    /// Follow the candidates in N members at first, and in up to 128 where the best two are too
+    /// close to call.
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=128))]
+    members: u32,
     /// Distribution depth.
     #[arg(long, value_name = "D", default_value_t = 5)]
     depth: u32,
@@ -161,8 +167,16 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     });
     let told = |done, total| progress.set(done, total);
     match verb.clone() {
-        Verb::Share(ShareArgs { body: bodies, requests, seed, unavoidable, depth, out }) => {
-            let options = ShareOptions { bodies, requests, seed, unavoidable, depth, out };
+        Verb::Share(ShareArgs {
+            body: bodies,
+            requests,
+            seed,
+            unavoidable,
+            members,
+            depth,
+            out,
+        }) => {
+            let options = ShareOptions { bodies, requests, seed, unavoidable, members, depth, out };
             let report = share(&options, &told)?;
             show(&report, || report.text(), output)
         }

@@ -20,7 +20,7 @@ use crate::work::{SurveyBuffers, SurveyRun};
 use crate::worker_pool::WorkerPoolReport;
 use crate::workspace::{BodySet, RunError};
 use bvh::support::Extremes;
-use damage::{CandidateHarm, CourseHarm, expected};
+use damage::{CandidateHarm, CourseHarm, RankedCandidates, expected};
 use executor::encounter::Encounters;
 use runtime::clock;
 use scenario::Name;
@@ -69,6 +69,16 @@ pub(super) struct Rounds<'r> {
     buffers: SurveyBuffers,
 }
 
+/// What is known of all candidates so far.
+pub(super) struct Standing {
+    /// The harm of every candidate in the scene as stated, then in each member.
+    pub(super) harms: Vec<Vec<CourseHarm>>,
+    /// Per candidate: what ranks, the mean of members if there are any.
+    pub(super) means: Vec<CourseHarm>,
+    /// Per candidate: whether anything is open.
+    pub(super) is_open: Vec<bool>,
+}
+
 /// Contacts that come next in their candidates, worked on together.
 pub(super) struct Round {
     /// The number of the course and its contact, in the order of the courses.
@@ -102,7 +112,8 @@ pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> R
     let mut rounds = Rounds::new(stage, request, Until::Complete);
     let mut surveyor = Surveyor::replay(&[], &[]);
     let time = super::history::SearchClock::until(None);
-    rounds.search(&mut surveyor, &time).expect("they can be assessed").contacts
+    let all: Vec<usize> = (0..rounds.courses.len()).collect();
+    rounds.search(&all, &mut surveyor, &time).expect("they can be assessed").contacts
 }
 
 /// The expected harm of every candidate; `harms[m][k]` is that of candidate k in member m.
@@ -169,37 +180,53 @@ impl<'r> Rounds<'r> {
         self.stop.is_watched() && !self.is_part
     }
 
-    /// Whether no open work can change what was asked for. `found` are contacts that are not
-    /// surveyed, and what is known of them.
-    pub(super) fn is_decided(
-        &mut self,
-        found: &[(usize, NextContact, CandidateHarm)],
-    ) -> Result<bool, RequestError> {
-        if !self.is_watched() {
-            return Ok(false);
-        }
+    /// Whether courses are followed in the order in which they tell who wins.
+    pub(super) fn is_race(&self) -> bool {
+        self.stop.is_for_winner() && !self.is_part && self.drawn() > 0
+    }
+
+    /// Whether there cannot be more members.
+    pub(super) fn is_last_stage(&self) -> bool {
+        self.drawn() as u32 >= self.request.members.most
+    }
+
+    /// The order by the last look at what is known.
+    pub(super) fn ranking(&self) -> &RankedCandidates {
+        self.stop.ranking()
+    }
+
+    /// What is known of all candidates. `found` are contacts that are not surveyed, and what is
+    /// known of them.
+    pub(super) fn standing(&mut self, found: &[(usize, NextContact, CandidateHarm)]) -> Standing {
         let harms = self.harms(found);
         let candidates = self.scenery.scenario.candidates.len();
         let mut is_open = vec![false; candidates];
         for course in &self.courses {
             is_open[course.candidate] |= course.is_open();
         }
-        if self.drawn() == 0 {
-            return Ok(self.stop.look(&harms[0], &is_open, None)?);
+        let means = if self.drawn() == 0 { harms[0].clone() } else { means(&harms[1..]) };
+        Standing { harms, means, is_open }
+    }
+
+    /// Whether no open work can change what was asked for.
+    pub(super) fn is_settled(&mut self, standing: &Standing) -> Result<bool, RequestError> {
+        if !self.is_watched() {
+            return Ok(false);
         }
+        let Standing { harms, means, is_open } = standing;
         let (policy, stakes) = (&self.request.criteria.policy, self.people.stakes());
-        let may_be_close = |first| expected::may_be_close(policy, &stakes, &harms[1..], first);
-        let is_last = self.drawn() as u32 >= self.request.members.most;
+        let may_be_close = |first| {
+            let close = expected::may_be_close(policy, &stakes, &harms[1..], first)?;
+            Ok(close.contains(&true))
+        };
+        let is_last = self.drawn() == 0 || self.is_last_stage();
         let may_be_close: Option<MayBeClose<'_>> = if is_last { None } else { Some(&may_be_close) };
-        Ok(self.stop.look(&means(&harms[1..]), &is_open, may_be_close)?)
+        Ok(self.stop.look(means, is_open, may_be_close)?)
     }
 
     /// The harm of every candidate in every member, the scene as stated first, as far as it is
-    /// known. `found` as in [`Rounds::is_decided`].
-    pub(super) fn harms(
-        &mut self,
-        found: &[(usize, NextContact, CandidateHarm)],
-    ) -> Vec<Vec<CourseHarm>> {
+    /// known. `found` as in [`Rounds::standing`].
+    fn harms(&mut self, found: &[(usize, NextContact, CandidateHarm)]) -> Vec<Vec<CourseHarm>> {
         let mut found = found.iter().peekable();
         let mut harms = Vec::with_capacity(self.courses.len());
         for (number, course) in self.courses.iter_mut().enumerate() {
@@ -246,21 +273,15 @@ impl<'r> Rounds<'r> {
         let harms = work.harms()?;
         let found: Vec<_> =
             meetings.iter().zip(harms).map(|((k, meeting), harm)| (*k, *meeting, harm)).collect();
-        self.is_decided(&found)?;
+        let standing = self.standing(&found);
+        self.is_settled(&standing)?;
         for (number, (k, meeting, harm)) in found.into_iter().enumerate() {
             if self.stop.may_spare(self.courses[k].candidate) {
                 let assessed = self.keeping().contact((k, meeting), (&work, number), harm);
                 settle(&mut self.courses[k], &work.request().candidates[number], assessed);
             }
         }
-        for course in &mut self.courses {
-            if course.is_open() && self.stop.may_spare(course.candidate) {
-                course.is_spared = true;
-                if course.stuck.is_none() {
-                    course.way.give_up();
-                }
-            }
-        }
+        self.spare_open();
         self.buffers = work.into_buffers();
         let may_spare = |k: usize| self.stop.may_spare(self.courses[k].candidate);
         let is_left: Vec<bool> = meetings.iter().map(|(k, _)| !may_spare(*k)).collect();
@@ -269,6 +290,18 @@ impl<'r> Rounds<'r> {
         let mut left = is_left.iter();
         contacts.candidates.retain(|_| left.next().copied().unwrap_or(true));
         Ok(Round { meetings, contacts })
+    }
+
+    /// Gives up what is open and, by the last look, cannot change what was asked for.
+    pub(super) fn spare_open(&mut self) {
+        for course in &mut self.courses {
+            if course.is_open() && self.stop.may_spare(course.candidate) {
+                course.is_spared = true;
+                if course.stuck.is_none() {
+                    course.way.give_up();
+                }
+            }
+        }
     }
 
     /// Surveys the hit sets of a round, as far as there is time, and lets its candidates go on.

@@ -48,20 +48,22 @@ const SHARED_MIN: usize = 8;
 const OUT_FIRST: usize = 2;
 
 impl Rounds<'_> {
-    /// Searches for the contact that comes next in every course, as far as that matters, and as far
-    /// as there is time.
+    /// Searches for the contact that comes next in these courses, in ascending order, as far as
+    /// that matters, and as far as there is time.
     pub(super) fn search(
         &mut self,
+        chosen: &[usize],
         surveyor: &mut Surveyor<'_>,
         time: &SearchClock,
     ) -> Result<Round, RunError> {
         let begun_ns = clock::now_ns();
         let (mut meetings, mut contacts) = (Vec::new(), Vec::new());
-        let mut from = 0;
-        while from < self.courses.len() {
-            let block = from..(from + self.block()).min(self.courses.len());
-            from = block.end;
-            let open: Vec<usize> = block.clone().filter(|k| self.courses[*k].is_open()).collect();
+        // Where work may end early, after each candidate there may be nothing left to do; of members
+        // only after some candidates together.
+        let is_watched = self.is_watched() && self.drawn() == 0;
+        for block in chosen.chunks(if is_watched { 1 } else { chosen.len().max(1) }) {
+            let is_open = |k: &usize| self.courses[*k].is_open();
+            let open: Vec<usize> = block.iter().copied().filter(is_open).collect();
             let found = self.search_together(&open, surveyor, time)?;
             let mut is_one_over = false;
             for (k, found) in open.into_iter().zip(found) {
@@ -73,8 +75,11 @@ impl Rounds<'_> {
                     None => is_one_over |= !self.courses[k].is_open(),
                 }
             }
-            if is_one_over && self.is_decided(&[])? {
-                break;
+            if is_one_over && is_watched {
+                let standing = self.standing(&[]);
+                if self.is_settled(&standing)? {
+                    break;
+                }
             }
         }
         self.effort.search_ns += clock::now_ns() - begun_ns;
@@ -88,16 +93,6 @@ impl Rounds<'_> {
         let contacts =
             Request { candidates: contacts, persons: self.people.list.clone(), criteria };
         Ok(Round { meetings, contacts })
-    }
-
-    /// How many courses are searched together. Where work may end early, after each candidate there
-    /// may be nothing left to do; of members only after all candidates together.
-    fn block(&self) -> usize {
-        match (self.is_watched(), self.drawn()) {
-            (false, _) => self.courses.len(),
-            (true, 0) => 1,
-            (true, _) => self.scenery.scenario.candidates.len(),
-        }
     }
 
     /// What comes next in each of these open courses, in ascending order.

@@ -1,10 +1,10 @@
 //! Stages of members: so many are followed, then twice as many, while the best two are too close
 //! to call.
 //!
-//! Only finished stages decide whether there is another one. A stage that time ends is left out:
-//! the answer is that of the stage before, of a part of the first one, or of the scene as stated.
-//! It is degraded then, and its figures are no bounds on those of more members. So a complete
-//! answer depends on nothing but the request.
+//! Only what is finished decides whether there is another stage: the best two, once it is certain
+//! who these are. A stage that time ends is left out: the answer is that of the stage before, of a
+//! part of the first one, or of the scene as stated. It is degraded then, and its figures are no
+//! bounds on those of more members. So a complete answer depends on nothing but the request.
 
 use super::history::SearchClock;
 use super::rounds::means;
@@ -83,6 +83,8 @@ pub(super) struct MembersFound {
     asked: u32,
     /// Per candidate.
     expected: Vec<ExpectedRow>,
+    /// Whether the best two are too close to call, whatever open work finds.
+    is_close: bool,
 }
 
 impl MembersFound {
@@ -93,7 +95,7 @@ impl MembersFound {
 
     /// Completes an answer.
     pub(super) fn write(self, answer: &mut Answer, ranking: &RankedCandidates) {
-        let Self { row, asked, mut expected } = self;
+        let Self { row, asked, mut expected, is_close: _ } = self;
         for (place, candidate) in ranking.places.iter().zip(&mut answer.ranking) {
             let own = core::mem::take(&mut expected[place.candidate]);
             if own.undecided > 0 {
@@ -170,29 +172,27 @@ pub(super) fn followed<S: Stages>(
         stages.follow(count, is_part)?;
         let judged = stages.judged(count)?;
         let is_done = judged.ranking.state == AnswerState::Complete;
-        let before = finished.filter(|before| before.ranking.state == AnswerState::Complete);
         if is_part {
             if time.is_over() {
-                return Ok(late(match before {
+                return Ok(late(match finished {
                     Some(before) if !is_done => before,
                     _ => judged,
                 }));
             }
             count = count.saturating_mul(2).clamp(FIRST_PART.min(asked), asked);
-            finished = Some(judged);
+            finished = is_done.then_some(judged);
             continue;
         }
-        let is_close = judged.members.as_ref().and_then(|found| found.row.lead);
-        let is_close = is_close.is_some_and(|lead| lead.is_close());
+        let is_close = judged.members.as_ref().is_some_and(|found| found.is_close);
         let is_open = judged.ranking.state == AnswerState::Degraded;
-        match before {
+        match finished {
+            _ if is_close && count < most => finished = Some(judged),
             // It was not finished, and what it has found does not suffice. Lost jobs are no reason
             // to leave members out.
             Some(before) if is_open && (count > asked || time.is_over()) => {
                 return Ok(late(before));
             }
-            _ if !is_done || !is_close || count >= most => return Ok(judged),
-            _ => finished = Some(judged),
+            _ => return Ok(judged),
         }
         count = next_stage(count, most);
     }
@@ -267,13 +267,16 @@ impl Stage<'_> {
             // Something of the scene as stated is open, which is only shown.
             ranking.state = AnswerState::Certified;
         }
+        let own = |k: usize| self.courses.iter().skip(k).step_by(candidates);
+        let is_open = |k: usize| own(k).any(|course| course.is_open);
+        let lead = certain_lead(policy, stakes, &all[1..], (ranking, &is_open))?;
         let spreads = if is_done {
             expected::spreads(policy, stakes, &all[1..], &order)?
         } else {
             if ranking.state == AnswerState::Certified && count < members.most {
                 // More members may have another winner.
                 let may_be_close = expected::may_be_close(policy, stakes, &all[1..], order[0])?;
-                if may_be_close {
+                if may_be_close.contains(&true) {
                     ranking.state = AnswerState::Degraded;
                     ranking.settled = 0;
                 }
@@ -281,8 +284,7 @@ impl Stage<'_> {
             Spreads::default()
         };
         let expected = (0..candidates).map(|k| {
-            let own: Vec<&CourseOutline> =
-                self.courses[candidates..].iter().skip(k).step_by(candidates).collect();
+            let own: Vec<&CourseOutline> = own(k).skip(1).collect();
             let known = spreads.candidates.get(k).copied().zip(spreads.leading.get(k));
             expected_row(self.parties, &own, &judged.harms[k], known)
         });
@@ -293,10 +295,32 @@ impl Stage<'_> {
             lead: spreads.lead,
             is_late: false,
         };
-        let asked = members.count;
-        judged.members = Some(MembersFound { row, asked, expected: expected.collect() });
+        let found = MembersFound {
+            row,
+            asked: members.count,
+            expected: expected.collect(),
+            is_close: lead.is_some_and(|lead| lead.is_close()),
+        };
+        judged.members = Some(found);
         Ok(judged)
     }
+}
+
+/// The lead of the first candidate, if it is the same whatever open work finds: then it is certain
+/// who the first two are, and nothing in these is open. `harms` are those of members; `is_open` is
+/// asked by candidate.
+pub(super) fn certain_lead(
+    policy: &Policy,
+    stakes: &[Stake],
+    harms: &[Vec<CourseHarm>],
+    (ranking, is_open): (&RankedCandidates, &dyn Fn(usize) -> bool),
+) -> Result<Option<Lead>, RequestError> {
+    let [first, second, ..] = &ranking.places[..] else { return Ok(None) };
+    let two = [first.candidate, second.candidate];
+    if ranking.settled < 2 || two.into_iter().any(is_open) {
+        return Ok(None);
+    }
+    Ok(Some(expected::lead(policy, stakes, harms, two)?))
 }
 
 /// What the members of one candidate say.

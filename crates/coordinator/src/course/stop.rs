@@ -35,6 +35,16 @@ impl<'r> Stop<'r> {
         self.until != Until::Complete
     }
 
+    /// Whether all that was asked for is the winner.
+    pub(super) fn is_for_winner(&self) -> bool {
+        self.until == Until::Certified
+    }
+
+    /// The order by the last look.
+    pub(super) fn ranking(&self) -> &RankedCandidates {
+        &self.ranking
+    }
+
     /// Looks at what is known; whether no open work can change what was asked for. Where more
     /// members may be drawn, `may_be_close` says whether open work could have them drawn.
     pub(super) fn look(
@@ -65,7 +75,7 @@ impl<'r> Stop<'r> {
     /// Whether, by the last look, a candidate need not be followed on.
     pub(super) fn may_spare(&self, candidate: usize) -> bool {
         let cannot_win = || !self.ranking.possible.contains(&candidate);
-        let is_asked = self.until == Until::Certified && self.may_spare_losers;
+        let is_asked = self.is_for_winner() && self.may_spare_losers;
         self.is_decided || (is_asked && cannot_win())
     }
 }

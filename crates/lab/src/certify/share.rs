@@ -1,11 +1,11 @@
 //! After what share of the work the winner, or the order, is certain.
 
 use super::figures::{median, names, percentile};
-use super::requests::{self, Extent, Pool, Scene};
+use super::requests::{self, Extent, Pool};
 use crate::progress::{Progress, SyncProgress};
-use body::Shells;
 use coordinator::{
-    Backend, BodySet, CourseEffort, InProcessExecutor, RequestLimits, Until, rank_courses,
+    Backend, BodySet, CourseEffort, CourseRequest, InProcessExecutor, RequestError, RequestLimits,
+    RunError, Until, rank_courses,
 };
 use geometry::rng::Rng;
 use runtime::clock;
@@ -26,6 +26,8 @@ pub struct ShareOptions {
     pub seed: u64,
     /// Only scenes in which every candidate meets somebody.
     pub unavoidable: bool,
+    /// In how many members candidates are followed at first; 1: in the scene as stated alone.
+    pub members: u32,
     /// Distribution depth.
     pub depth: u32,
     /// File to write the table to as well.
@@ -39,6 +41,7 @@ pub struct ShareReport {
     bodies: Vec<String>,
     requests: usize,
     unavoidable: bool,
+    members: u32,
     depth: u32,
     /// Median tests and time of a complete run.
     whole_tests: f64,
@@ -77,15 +80,13 @@ struct Ran {
 
 fn run(
     stage: &BodySet<'_>,
-    (scene, shells): (&Scene, &[Shells]),
-    number: usize,
+    request: &CourseRequest<'_>,
     until: Until,
     backend: &mut Backend,
-) -> Result<Ran, Failure> {
-    let request = scene.request(shells, requests::criteria(number)?);
+) -> Result<Ran, RunError> {
     let limits = RequestLimits { until, ..RequestLimits::default() };
     let begun_ns = clock::now_ns();
-    let ranked = rank_courses(stage, &request, limits, backend)?;
+    let ranked = rank_courses(stage, request, limits, backend)?;
     let ns = (clock::now_ns() - begun_ns) as f64;
     let (answer, effort) = (ranked.answer, ranked.effort);
     let surveys = effort.surveys.descent.tests() + effort.surveys.jobs.tests();
@@ -127,18 +128,27 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
         let candidates = 6 + rng.below(11) as usize;
         let scene = requests::scene(
             &views,
-            Extent { candidates, others: None, members: 1, is_unavoidable: options.unavoidable },
+            Extent {
+                candidates,
+                others: None,
+                members: options.members,
+                is_unavoidable: options.unavoidable,
+            },
             &mut rng,
         )?;
         let number = wholes.len();
-        let of = (&scene, &shells[..]);
-        let whole = run(&stage, of, number, Until::Complete, &mut backend)?;
+        let request = scene.request(&shells, requests::criteria(number)?);
+        let whole = match run(&stage, &request, Until::Complete, &mut backend) {
+            // Bodies stand so close that nearly all draws overlap.
+            Err(RunError::Request(RequestError::Overlap { .. })) => continue,
+            whole => whole?,
+        };
         // What cannot be evaluated has no complete answer, so none can be early.
         if whole.state != AnswerState::Complete || options.unavoidable && whole.free > 0 {
             continue;
         }
         for ((name, until), rans) in asked.into_iter().zip(&mut rans) {
-            let early = run(&stage, of, number, until, &mut backend)?;
+            let early = run(&stage, &request, until, &mut backend)?;
             let is_same = match until {
                 Until::Ordered => early.order == whole.order,
                 Until::Certified | Until::Complete => early.winner == whole.winner,
@@ -160,10 +170,11 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
     let mut tests: Vec<f64> = wholes.iter().map(|whole| whole.tests).collect();
     let mut ms: Vec<f64> = wholes.iter().map(|whole| whole.ns / 1e6).collect();
     let report = ShareReport {
-        schema: "trolley.certify-share/2",
+        schema: "trolley.certify-share/3",
         bodies: pool.names,
         requests: wholes.len(),
         unavoidable: options.unavoidable,
+        members: options.members,
         depth: options.depth,
         whole_tests: median(&mut tests),
         whole_ms: median(&mut ms),
@@ -218,10 +229,14 @@ impl ShareReport {
         }
         let _written = writeln!(
             text,
-            "\n{} scenes of 6 to 16 candidates{} among {} bodies ({}), policies in turn, depth {}. \
+            "\n{} scenes of 6 to 16 candidates{}{} among {} bodies ({}), policies in turn, depth {}. \
              Working all of it out takes {:.2} million tests and {:.1} ms in the median.",
             self.requests,
             if self.unavoidable { ", all of which meet somebody," } else { "" },
+            match self.members {
+                1 => String::new(),
+                count => format!(" in {count} members and more where that is too close to call,"),
+            },
             self.bodies.len(),
             names(&self.bodies),
             self.depth,
