@@ -70,6 +70,7 @@ pub use rounds::EncounterEffort;
 #[cfg(test)]
 pub(crate) use rounds::first_round;
 pub use searched::{AssessmentError, SearchedCourses, search_courses};
+pub use selection::CourseOrder;
 pub use stages::{ExpectedRow, MemberRow, MembersRow, MetRow};
 #[cfg(any(test, feature = "faults"))]
 pub use trial::{CourseFlaw, TrialResult, random_courses, trial_courses};
@@ -247,6 +248,25 @@ pub fn rank_courses(
     limits: RequestLimits,
     backend: &mut Backend,
 ) -> Result<RankedCourses, RunError> {
+    rank_courses_in(CourseOrder::default(), (stage, request), limits, backend)
+}
+
+/// [`rank_courses`] with members followed in this order until the winner is certain. There is a
+/// history of the usual one alone, as a replay knows no other.
+///
+/// # Errors
+///
+/// As [`rank_courses`].
+///
+/// # Panics
+///
+/// As [`rank_courses`].
+pub fn rank_courses_in(
+    order: CourseOrder,
+    (stage, request): (&BodySet<'_>, &CourseRequest<'_>),
+    limits: RequestLimits,
+    backend: &mut Backend,
+) -> Result<RankedCourses, RunError> {
     let accepted_ns = clock::now_ns();
     backend.begin(accepted_ns);
     let reserved_ns = SAYING_NS * request.scenario.candidates.len() as u64;
@@ -254,7 +274,8 @@ pub fn rank_courses(
         .deadline_ns
         .map(|length_ns| accepted_ns + length_ns.saturating_sub(reserved_ns.min(length_ns / 5)));
     let time = SearchClock::until(due_ns).with_idle_hook(backend.idle_hook());
-    let rounds = request.history.then(Vec::new);
+    let is_recorded = request.history && order == CourseOrder::default();
+    let rounds = is_recorded.then(Vec::new);
     // Contacts of several members are no candidates of one request: no order of theirs decides.
     let limits = if request.members.is_nominal() {
         limits
@@ -263,7 +284,7 @@ pub fn rank_courses(
     };
     let mut surveyor =
         Surveyor::Backend { backend, limits, due_ns, rounds, open_steps: Vec::new() };
-    let mut ranked = follow(stage, request, limits.until, &time, &mut surveyor)?;
+    let mut ranked = follow((stage, request), (limits.until, order), &time, &mut surveyor)?;
     ranked.effort.accepted_ns = accepted_ns;
     if let Surveyor::Backend { rounds: Some(rounds), mut open_steps, .. } = surveyor {
         open_steps.sort_unstable();
@@ -277,16 +298,17 @@ pub fn rank_courses(
 /// Follows every candidate until no contact is left, time is over, or no open work can change what
 /// was asked for; and ranks them.
 fn follow(
-    stage: &BodySet<'_>,
-    request: &CourseRequest<'_>,
-    until: Until,
+    (stage, request): (&BodySet<'_>, &CourseRequest<'_>),
+    (until, order): (Until, CourseOrder),
     time: &SearchClock,
     surveyor: &mut Surveyor<'_>,
 ) -> Result<RankedCourses, RunError> {
     let request = &request.among_candidates();
     let is_over = || time.is_over();
     let is_due = time.is_watched().then_some(&is_over as &dyn Fn() -> bool);
-    let mut followed = Followed { rounds: Rounds::new(stage, request, until), time, surveyor };
+    let mut rounds = Rounds::new(stage, request, until);
+    rounds.order = order;
+    let mut followed = Followed { rounds, time, surveyor };
     let judged = if request.members.is_nominal() {
         followed.follow(0, false)?;
         followed.judged(0)?
@@ -359,23 +381,12 @@ impl Stages for Followed<'_, '_, '_> {
         let mut selection = Selection::default();
         loop {
             let begun_ns = clock::now_ns();
-            let chosen = selection.next(rounds)?;
+            let chosen = selection.next(rounds, time)?;
             rounds.effort.assess_ns += clock::now_ns() - begun_ns;
             if chosen.is_empty() {
                 return Ok(());
             }
-            loop {
-                let round = rounds.search(&chosen, surveyor, time)?;
-                let begun_ns = clock::now_ns();
-                let round = rounds.spare(round)?;
-                rounds.effort.assess_ns += clock::now_ns() - begun_ns;
-                if round.meetings.is_empty() {
-                    break;
-                }
-                for part in round.parts(PART_MAX) {
-                    rounds.survey(&part, surveyor)?;
-                }
-            }
+            rounds.follow_chosen(&chosen, surveyor, time)?;
         }
     }
 

@@ -50,11 +50,11 @@ pub use answer::{PersonRow, PoseRow};
 
 pub use course::{
     Alternative, Answer, AssessmentError, AtHorizon, CombinedRisk, ContactRow, ContactScene,
-    ContactStep, CourseChain, CourseEffort, CourseHistory, CoursePersonRow, CourseRequest,
-    CourseRow, EncounterEffort, ExpectedRow, Explanation, FlipRow, MemberRow, MembersRow, MetRow,
-    NearestRow, PlanContact, PlanCourse, PlanMember, PlanMemberCourse, PlanNearest, PlanParty,
-    PlanPath, PlanPoint, PlanSample, PlanScene, RankedCourses, RunOutRow, SearchedCourses,
-    WorldsRow, rank_courses, replay_courses, search_courses,
+    ContactStep, CourseChain, CourseEffort, CourseHistory, CourseOrder, CoursePersonRow,
+    CourseRequest, CourseRow, EncounterEffort, ExpectedRow, Explanation, FlipRow, MemberRow,
+    MembersRow, MetRow, NearestRow, PlanContact, PlanCourse, PlanMember, PlanMemberCourse,
+    PlanNearest, PlanParty, PlanPath, PlanPoint, PlanSample, PlanScene, RankedCourses, RunOutRow,
+    SearchedCourses, WorldsRow, rank_courses, rank_courses_in, replay_courses, search_courses,
 };
 #[cfg(any(test, feature = "faults"))]
 pub use course::{CourseFlaw, TrialResult, random_courses, trial_courses};

@@ -2,6 +2,7 @@
 //!
 //! Each verb prints a table, or a JSON document; after a violation the exit code is 1.
 
+use super::named::named;
 use super::shown::show;
 use crate::output::Output;
 use ::lab::certify::{
@@ -94,17 +95,8 @@ pub(crate) struct BoundsArgs {
     #[arg(long, value_name = "D", default_value_t = 4)]
     depth: u32,
     /// Make answers wrong on purpose, to see that violations are found.
-    #[arg(long, value_name = "HOW")]
-    flaw: Option<FlawName>,
-}
-
-/// [`CourseFlaw`] by name.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum FlawName {
-    /// Nobody is taken to be harmed by what is open.
-    ForgetsOpen,
-    /// An open candidate is taken to be finished.
-    EndsEarly,
+    #[arg(long, value_name = "HOW", value_parser = named(CourseFlaw::ALL, CourseFlaw::name))]
+    flaw: Option<CourseFlaw>,
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -167,25 +159,14 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
     });
     let told = |done, total| progress.set(done, total);
     match verb.clone() {
-        Verb::Share(ShareArgs {
-            body: bodies,
-            requests,
-            seed,
-            unavoidable,
-            members,
-            depth,
-            out,
-        }) => {
+        Verb::Share(args) => {
+            let ShareArgs { body: bodies, requests, seed, unavoidable, members, depth, out } = args;
             let options = ShareOptions { bodies, requests, seed, unavoidable, members, depth, out };
             let report = share(&options, &told)?;
             show(&report, || report.text(), output)
         }
         Verb::Bounds(args) => {
             let BoundsArgs { stops, per_scene, seed, depth, flaw } = args;
-            let flaw = flaw.map(|flaw| match flaw {
-                FlawName::ForgetsOpen => CourseFlaw::ForgetsOpen,
-                FlawName::EndsEarly => CourseFlaw::EndsEarly,
-            });
             let report = bounds(&BoundsOptions { stops, per_scene, seed, depth, flaw }, &told)?;
             let shown = show(&report, || report.text(), output)?;
             Ok(if report.is_right() { shown } else { FailureKind::CheckFailed.into() })

@@ -1,6 +1,7 @@
 //! `trolley measure`: the paper's experiment on real bodies (schemes, depths, buffers, transfer),
 //! the map of where each of its claims holds, or one ranking with experimental settings.
 
+use super::named::named;
 use super::shown::show;
 use crate::answer_args::LimitArgs;
 use crate::engine_args::EngineArgs;
@@ -9,7 +10,6 @@ use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;
 use ::lab::measure::{ALPHA, MapOptions, RankOptions, SweepOptions};
 use ::lab::measure::{map, rank, sweep, virtual_cores};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use scenario::{EngineSettings, Overrides, Scheme};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -95,16 +95,6 @@ pub(crate) fn run(args: &MeasureArgs, output: &Output) -> Result<ExitCode, Failu
         (None, Some(out)) => swept(args, out.clone(), output),
         (None, None) => Err(Failure::internal("neither a scenario nor a folder")),
     }
-}
-
-/// Parses a value by its name.
-fn named<T: Copy + Send + Sync + 'static, const N: usize>(
-    all: [T; N],
-    name: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(all.map(name)).try_map(move |word: String| {
-        all.into_iter().find(|one| name(*one) == word).ok_or("there is nothing of that name")
-    })
 }
 
 impl MeasureArgs {

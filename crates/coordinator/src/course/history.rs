@@ -7,6 +7,7 @@
 //! from the scene, too: the number of the point at which time was over says where it ended.
 
 use super::search::CourseSearch;
+use super::selection::CourseOrder;
 use super::{CourseRequest, RankedCourses, follow};
 use crate::idle_cores::IdleCores;
 use crate::looks::{LookEffort, LookSource as _, look_here};
@@ -56,7 +57,7 @@ pub fn replay_courses(
 ) -> Result<RankedCourses, RunError> {
     let mut surveyor = Surveyor::replay(&history.rounds, &history.open_steps);
     let (until, clock) = (history.until.into(), SearchClock::recorded(history.search));
-    follow(stage, request, until, &clock, &mut surveyor)
+    follow((stage, request), (until, CourseOrder::default()), &clock, &mut surveyor)
 }
 
 /// Until when there is time.

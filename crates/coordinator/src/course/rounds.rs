@@ -3,15 +3,16 @@
 
 use super::assessed_contact::{AssessedContact, assessed, settle};
 use super::contact_facts::ContactFacts;
-use super::history::Surveyor;
+use super::history::{SearchClock, Surveyor};
 use super::judged::Judged;
 use super::member::Members;
 use super::persons::People;
 use super::plan_scene::ContactScene;
+use super::selection::CourseOrder;
 use super::stages::{CourseOutline, Stage};
 use super::stop::{MayBeClose, Stop};
 use super::way::{NextContact, Scenery};
-use super::{Course, CourseEffort, CourseRequest, harm_of, names_of};
+use super::{Course, CourseEffort, CourseRequest, PART_MAX, harm_of, names_of};
 use crate::explain::contact_chain;
 use crate::idle_cores::IdleCores;
 use crate::request::{Request, RequestError};
@@ -59,6 +60,8 @@ pub(super) struct Rounds<'r> {
     pub(super) effort: CourseEffort,
     pub(super) reports: Vec<WorkerPoolReport>,
     stop: Stop<'r>,
+    /// In which order courses of members are followed until the winner is certain.
+    pub(super) order: CourseOrder,
     /// Whether contacts keep what other criteria assess.
     pub(super) keeps_facts: bool,
     /// Whether what is followed now is a part of what was asked for, all of which is wanted.
@@ -111,7 +114,7 @@ impl Round {
 pub(crate) fn first_round(stage: &BodySet<'_>, request: &CourseRequest<'_>) -> Request {
     let mut rounds = Rounds::new(stage, request, Until::Complete);
     let mut surveyor = Surveyor::replay(&[], &[]);
-    let time = super::history::SearchClock::until(None);
+    let time = SearchClock::until(None);
     let all: Vec<usize> = (0..rounds.courses.len()).collect();
     rounds.search(&all, &mut surveyor, &time).expect("they can be assessed").contacts
 }
@@ -141,6 +144,7 @@ impl<'r> Rounds<'r> {
             request,
             scenery,
             stop: Stop::new(until, &criteria.policy, people.stakes()),
+            order: CourseOrder::default(),
             keeps_facts: false,
             is_part: false,
             people,
@@ -173,6 +177,28 @@ impl<'r> Rounds<'r> {
     /// How many members there are; 0: the candidates are followed in the scene as stated alone.
     pub(super) fn drawn(&self) -> usize {
         self.members.list.len() - 1
+    }
+
+    /// Follows these courses, in ascending order, until no contact is left, as far as that matters,
+    /// and as far as there is time.
+    pub(super) fn follow_chosen(
+        &mut self,
+        chosen: &[usize],
+        surveyor: &mut Surveyor<'_>,
+        time: &SearchClock,
+    ) -> Result<(), RunError> {
+        loop {
+            let round = self.search(chosen, surveyor, time)?;
+            let begun_ns = clock::now_ns();
+            let round = self.spare(round)?;
+            self.effort.assess_ns += clock::now_ns() - begun_ns;
+            if round.meetings.is_empty() {
+                return Ok(());
+            }
+            for part in round.parts(PART_MAX) {
+                self.survey(&part, surveyor)?;
+            }
+        }
     }
 
     /// Whether work may end before all of it is done.

@@ -58,8 +58,8 @@ impl Rounds<'_> {
     ) -> Result<Round, RunError> {
         let begun_ns = clock::now_ns();
         let (mut meetings, mut contacts) = (Vec::new(), Vec::new());
-        // Where work may end early, after each candidate there may be nothing left to do; of members
-        // only after some candidates together.
+        // Where work may end early, after each candidate there may be nothing left to do: that is
+        // asked here of the scene as stated, and of members by who chooses.
         let is_watched = self.is_watched() && self.drawn() == 0;
         for block in chosen.chunks(if is_watched { 1 } else { chosen.len().max(1) }) {
             let is_open = |k: &usize| self.courses[*k].is_open();

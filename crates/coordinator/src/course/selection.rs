@@ -13,16 +13,29 @@
 //!   same.
 //! - No course is chosen twice in one stage.
 
+use super::history::SearchClock;
 use super::rounds::{Rounds, Standing};
 use super::stages;
 use crate::request::RequestError;
-use damage::{expected, rank};
+use damage::{CourseHarm, expected, rank};
 
 /// Members in which the leader is followed at a time.
 const OF_LEADER: usize = 8;
 
 /// Courses of rivals that are followed at a time, unless there are more rivals.
 const OF_RIVALS: usize = 16;
+
+/// In which order courses are followed where work may end once the winner is certain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CourseOrder {
+    /// The leader first, then its rivals.
+    #[default]
+    Race,
+    /// One candidate after the other, for comparison.
+    Sequential,
+    /// Each candidate in turn, for comparison.
+    RoundRobin,
+}
 
 /// Courses that were chosen in a stage.
 #[derive(Debug, Default)]
@@ -32,14 +45,20 @@ pub(super) struct Selection {
 
 impl Selection {
     /// The courses to follow next, ascending; none if nothing is left, or nothing that matters.
-    pub(super) fn next(&mut self, rounds: &mut Rounds<'_>) -> Result<Vec<usize>, RequestError> {
+    pub(super) fn next(
+        &mut self,
+        rounds: &mut Rounds<'_>,
+        time: &SearchClock,
+    ) -> Result<Vec<usize>, RequestError> {
         self.was_chosen.resize(rounds.courses.len(), false);
         let is_left = |k: &usize| {
             let course = &rounds.courses[*k];
             course.is_open() && !course.is_spared && !self.was_chosen[*k]
         };
         let left: Vec<usize> = (0..rounds.courses.len()).filter(is_left).collect();
-        let mut chosen = if rounds.is_race() { race(rounds, left)? } else { left };
+        // Once time is over all is left open at once, without looking what matters.
+        let is_race = rounds.is_race() && !time.is_over();
+        let mut chosen = if is_race { race(rounds, left)? } else { left };
         chosen.sort_unstable();
         chosen.iter().for_each(|k| self.was_chosen[*k] = true);
         Ok(chosen)
@@ -78,29 +97,38 @@ fn race(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, Request
             rank(policy, &stakes, &seen)?.places[0].candidate
         }
     };
-    let of = |k: usize| left.iter().copied().filter(move |course| course % candidates == k);
-    if of(leader).next().is_some() {
-        return Ok(of(leader).take(OF_LEADER).collect());
+    let left_of = |k: usize| left.iter().copied().filter(move |course| course % candidates == k);
+    let is_leader_done = left_of(leader).next().is_none();
+    if rounds.order == CourseOrder::Race && !is_leader_done {
+        return Ok(left_of(leader).take(OF_LEADER).collect());
     }
-    let matters = if winner.is_some() && !is_last {
+    let mut matters: Vec<bool> = if winner.is_some() && !is_last {
         expected::may_be_close(policy, &stakes, members, leader)?
     } else {
         (0..candidates).map(|k| ranking.possible.contains(&k)).collect()
     };
+    matters[leader] |= !is_leader_done;
     let with_work = |rivals: &dyn Fn(&usize) -> bool| -> Vec<usize> {
-        (0..candidates).filter(|k| rivals(k) && of(*k).next().is_some()).collect()
+        (0..candidates).filter(|k| rivals(k) && left_of(*k).next().is_some()).collect()
     };
     let mut rivals = with_work(&|k| matters[*k]);
     if rivals.is_empty() {
         // Who is second is open.
         rivals = with_work(&|_| true);
     }
-    let each = OF_RIVALS.div_ceil(rivals.len());
-    Ok(rivals.into_iter().flat_map(|k| of(k).take(each)).collect())
+    let each = match rounds.order {
+        CourseOrder::Race => OF_RIVALS.div_ceil(rivals.len()),
+        CourseOrder::Sequential => {
+            rivals.truncate(1);
+            OF_LEADER
+        }
+        CourseOrder::RoundRobin => 1,
+    };
+    Ok(rivals.into_iter().flat_map(|k| left_of(k).take(each)).collect())
 }
 
 /// The mean of what was followed to its end of each candidate, the scene as stated included.
-fn seen(rounds: &Rounds<'_>, standing: &Standing) -> Vec<damage::CourseHarm> {
+fn seen(rounds: &Rounds<'_>, standing: &Standing) -> Vec<CourseHarm> {
     let candidates = standing.means.len();
     let finished = |k: usize| {
         let all = rounds.courses.iter().zip(standing.harms.iter().flatten());
@@ -109,3 +137,6 @@ fn seen(rounds: &Rounds<'_>, standing: &Standing) -> Vec<damage::CourseHarm> {
     };
     (0..candidates).map(finished).collect()
 }
+
+#[cfg(test)]
+mod tests;

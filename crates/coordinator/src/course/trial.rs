@@ -10,6 +10,7 @@
 //! only with the feature `faults` and in the tests of this crate.
 
 use super::history::{SearchClock, Surveyor};
+use super::selection::CourseOrder;
 use super::{Answer, CourseRequest, CourseRow, follow};
 use crate::in_process::InProcessExecutor;
 use crate::request::RequestError;
@@ -28,6 +29,20 @@ pub enum CourseFlaw {
     EndsEarly,
 }
 
+impl CourseFlaw {
+    /// All flaws.
+    pub const ALL: [Self; 2] = [Self::ForgetsOpen, Self::EndsEarly];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ForgetsOpen => "forgets-open",
+            Self::EndsEarly => "ends-early",
+        }
+    }
+}
+
 /// What a trial found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TrialResult {
@@ -44,6 +59,10 @@ pub struct TrialResult {
     /// What did not hold, in words.
     pub violations: Vec<String>,
 }
+
+/// Orders in which members are followed: the race in every other trial.
+const ORDERS: [CourseOrder; 4] =
+    [CourseOrder::Race, CourseOrder::Sequential, CourseOrder::Race, CourseOrder::RoundRobin];
 
 /// Most violations that are kept.
 const VIOLATIONS_MAX: usize = 1_000_000;
@@ -74,13 +93,15 @@ pub fn trial_courses(
 ) -> Result<TrialResult, RunError> {
     let mut rng = Rng::new(seed);
     let never = SearchClock::trial(None);
-    let stopped = |until: Until, clock: &SearchClock, loses: u64, seed: u64| {
-        let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
-        let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
-        follow(stage, request, until, clock, &mut surveyor).map(|ranked| ranked.answer)
-    };
+    let stopped =
+        |(until, order): (Until, CourseOrder), clock: &SearchClock, loses: u64, seed: u64| {
+            let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
+            let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
+            follow((stage, request), (until, order), clock, &mut surveyor)
+                .map(|ranked| ranked.answer)
+        };
     let mut result = TrialResult::default();
-    let end = match stopped(Until::Complete, &never, 0, 0) {
+    let end = match stopped((Until::Complete, CourseOrder::Race), &never, 0, 0) {
         // Bodies stand so close that nearly all draws overlap: there is nothing to try.
         Err(RunError::Request(RequestError::Overlap { .. })) => return Ok(result),
         end => end?,
@@ -92,7 +113,9 @@ pub fn trial_courses(
         let over_at = (rng.below(5) > 0).then_some(point);
         let clock = SearchClock::trial(over_at);
         let until = [Until::Complete, Until::Ordered, Until::Certified][rng.below(3) as usize];
-        let mut now = stopped(until, &clock, loses, rng.below(u64::MAX))?;
+        let seed = rng.below(u64::MAX);
+        let order = ORDERS[(seed % ORDERS.len() as u64) as usize];
+        let mut now = stopped((until, order), &clock, loses, seed)?;
         if let Some(flaw) = flaw {
             corrupt(&mut now, flaw);
         }

@@ -4,8 +4,8 @@ use super::figures::{median, names, percentile};
 use super::requests::{self, Extent, Pool};
 use crate::progress::{Progress, SyncProgress};
 use coordinator::{
-    Backend, BodySet, CourseEffort, CourseRequest, InProcessExecutor, RequestError, RequestLimits,
-    RunError, Until, rank_courses,
+    Backend, BodySet, CourseEffort, CourseOrder, CourseRequest, InProcessExecutor, RequestError,
+    RequestLimits, RunError, Until, rank_courses_in,
 };
 use geometry::rng::Rng;
 use runtime::clock;
@@ -67,6 +67,7 @@ struct Row {
 const TRIES: u64 = 1_000;
 
 /// One scene, as far as was asked for.
+#[derive(Clone)]
 struct Ran {
     winner: Option<String>,
     order: Vec<String>,
@@ -81,12 +82,12 @@ struct Ran {
 fn run(
     stage: &BodySet<'_>,
     request: &CourseRequest<'_>,
-    until: Until,
+    (until, order): (Until, CourseOrder),
     backend: &mut Backend,
 ) -> Result<Ran, RunError> {
     let limits = RequestLimits { until, ..RequestLimits::default() };
     let begun_ns = clock::now_ns();
-    let ranked = rank_courses(stage, request, limits, backend)?;
+    let ranked = rank_courses_in(order, (stage, request), limits, backend)?;
     let ns = (clock::now_ns() - begun_ns) as f64;
     let (answer, effort) = (ranked.answer, ranked.effort);
     let surveys = effort.surveys.descent.tests() + effort.surveys.jobs.tests();
@@ -116,8 +117,19 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
     let mut backend = Backend::InProcess(Box::new(InProcessExecutor::with_room_for(&views)));
     let bar = Progress::new(u64::from(options.requests), told);
     let mut rng = Rng::new(options.seed);
-    let asked = [("ordered", Until::Ordered), ("certified", Until::Certified)];
-    let (mut wholes, mut rans) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let mut asked = vec![
+        ("ordered", Until::Ordered, CourseOrder::Race),
+        ("certified", Until::Certified, CourseOrder::Race),
+    ];
+    if options.members > 1 {
+        asked.push((
+            "certified, candidate by candidate",
+            Until::Certified,
+            CourseOrder::Sequential,
+        ));
+        asked.push(("certified, member by member", Until::Certified, CourseOrder::RoundRobin));
+    }
+    let (mut wholes, mut rans) = (Vec::new(), vec![Vec::new(); asked.len()]);
     let mut tried = 0;
     while wholes.len() < options.requests as usize {
         tried += 1;
@@ -138,7 +150,8 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
         )?;
         let number = wholes.len();
         let request = scene.request(&shells, requests::criteria(number)?);
-        let whole = match run(&stage, &request, Until::Complete, &mut backend) {
+        let whole = match run(&stage, &request, (Until::Complete, CourseOrder::Race), &mut backend)
+        {
             // Bodies stand so close that nearly all draws overlap.
             Err(RunError::Request(RequestError::Overlap { .. })) => continue,
             whole => whole?,
@@ -147,8 +160,8 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
         if whole.state != AnswerState::Complete || options.unavoidable && whole.free > 0 {
             continue;
         }
-        for ((name, until), rans) in asked.into_iter().zip(&mut rans) {
-            let early = run(&stage, &request, until, &mut backend)?;
+        for (&(name, until, order), rans) in asked.iter().zip(&mut rans) {
+            let early = run(&stage, &request, (until, order), &mut backend)?;
             let is_same = match until {
                 Until::Ordered => early.order == whole.order,
                 Until::Certified | Until::Complete => early.winner == whole.winner,
@@ -165,7 +178,7 @@ pub fn share(options: &ShareOptions, told: SyncProgress<'_>) -> Result<ShareRepo
         wholes.push(whole);
         bar.add(1);
     }
-    let rows = asked.iter().zip(&rans).map(|((name, _), rans)| row(name, rans, &wholes));
+    let rows = asked.iter().zip(&rans).map(|(&(name, ..), rans)| row(name, rans, &wholes));
     let rows: Vec<Row> = rows.collect();
     let mut tests: Vec<f64> = wholes.iter().map(|whole| whole.tests).collect();
     let mut ms: Vec<f64> = wholes.iter().map(|whole| whole.ns / 1e6).collect();
@@ -229,8 +242,8 @@ impl ShareReport {
         }
         let _written = writeln!(
             text,
-            "\n{} scenes of 6 to 16 candidates{}{} among {} bodies ({}), policies in turn, depth {}. \
-             Working all of it out takes {:.2} million tests and {:.1} ms in the median.",
+            "\n{} scenes of 6 to 16 candidates{}{} among {} bodies ({}), policies in turn, depth \
+             {}. Working all of it out takes {:.2} million tests and {:.1} ms in the median.",
             self.requests,
             if self.unavoidable { ", all of which meet somebody," } else { "" },
             match self.members {
