@@ -206,8 +206,8 @@ impl<'r> Rounds<'r> {
         self.stop.is_watched() && !self.is_part
     }
 
-    /// Whether courses are followed in the order in which they tell who wins.
-    pub(super) fn is_race(&self) -> bool {
+    /// Whether members are followed only as far as they tell who wins.
+    pub(super) fn is_for_winner(&self) -> bool {
         self.stop.is_for_winner() && !self.is_part && self.drawn() > 0
     }
 

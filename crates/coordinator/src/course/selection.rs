@@ -57,8 +57,8 @@ impl Selection {
         };
         let left: Vec<usize> = (0..rounds.courses.len()).filter(is_left).collect();
         // Once time is over all is left open at once, without looking what matters.
-        let is_race = rounds.is_race() && !time.is_over();
-        let mut chosen = if is_race { race(rounds, left)? } else { left };
+        let is_choice = rounds.is_for_winner() && !time.is_over();
+        let mut chosen = if is_choice { deciding(rounds, left)? } else { left };
         chosen.sort_unstable();
         chosen.iter().for_each(|k| self.was_chosen[*k] = true);
         Ok(chosen)
@@ -66,7 +66,7 @@ impl Selection {
 }
 
 /// Those of the courses that are left, in ascending order, which tell most of who wins.
-fn race(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, RequestError> {
+fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, RequestError> {
     let candidates = rounds.scenery.scenario.candidates.len();
     let stated = left.partition_point(|k| *k < candidates);
     if left.is_empty() || stated > 0 {
