@@ -16,7 +16,6 @@ use trolley::{Failure, FailureKind};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   trolley certify share --requests 24
-  trolley certify share --members 32
   trolley certify bounds --stops 140000
   trolley certify bounds --stops 1000 --flaw forgets-open
   trolley certify deadline --body sedan:1000000 --body sedan:1000000 --body pole:2000
