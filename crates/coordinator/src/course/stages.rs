@@ -269,10 +269,12 @@ impl Stage<'_> {
         }
         let own = |k: usize| self.courses.iter().skip(k).step_by(candidates);
         let is_open = |k: usize| own(k).any(|course| course.is_open);
-        let lead = certain_lead(policy, stakes, &all[1..], (ranking, &is_open))?;
-        let spreads = if is_done {
-            expected::spreads(policy, stakes, &all[1..], &order)?
+        let (spreads, lead) = if is_done {
+            let spreads = expected::spreads(policy, stakes, &all[1..], &order)?;
+            let lead = spreads.lead;
+            (spreads, lead)
         } else {
+            let lead = certain_lead(policy, stakes, &all[1..], (ranking, &is_open))?;
             if ranking.state == AnswerState::Certified && count < members.most {
                 // More members may have another winner.
                 let may_be_close = expected::may_be_close(policy, stakes, &all[1..], order[0])?;
@@ -281,7 +283,7 @@ impl Stage<'_> {
                     ranking.settled = 0;
                 }
             }
-            Spreads::default()
+            (Spreads::default(), lead)
         };
         let expected = (0..candidates).map(|k| {
             let own: Vec<&CourseOutline> = own(k).skip(1).collect();
