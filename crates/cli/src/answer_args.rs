@@ -1,5 +1,6 @@
 //! Flags for the contents of an answer, and for when to stop.
 
+use crate::named::named;
 use clap::Args;
 use std::path::PathBuf;
 use trolley::{Failure, Limits, Until, Worlds};
@@ -45,8 +46,9 @@ pub(crate) enum Assume {
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct LimitArgs {
     /// Stop when all work is done, when the order is certain, or when the winner is.
-    #[arg(long, value_name = "WHEN", default_value = "complete")]
-    until: UntilName,
+    #[arg(long, value_name = "WHEN", default_value = "complete",
+          value_parser = named(Until::ALL, Until::name))]
+    until: Until,
     /// Answer within N ms, with bounds on what is not done, or of fewer members, whatever
     /// `deadline_ms` the scenario has. The clock starts when bodies are sealed and workers ready.
     #[arg(long, value_name = "N")]
@@ -65,26 +67,10 @@ pub(crate) struct LimitArgs {
     budget: Option<u64>,
 }
 
-/// [`Until`] by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-enum UntilName {
-    /// All work is done.
-    #[default]
-    Complete,
-    /// No open work can change the order.
-    Ordered,
-    /// No open work can change the winner.
-    Certified,
-}
-
 impl LimitArgs {
     /// The limits, without a record or an explanation.
     pub(crate) fn limits(&self) -> Result<Limits, Failure> {
-        let mut limits = Limits::default().until(match self.until {
-            UntilName::Complete => Until::Complete,
-            UntilName::Ordered => Until::Ordered,
-            UntilName::Certified => Until::Certified,
-        });
+        let mut limits = Limits::default().until(self.until);
         if let Some(ms) = self.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;
         }

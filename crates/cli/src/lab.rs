@@ -4,7 +4,6 @@ pub(crate) mod calibrate;
 pub(crate) mod certify;
 pub(crate) mod inject;
 pub(crate) mod measure;
-mod named;
 pub(crate) mod shown;
 pub(crate) mod simulate;
 pub(crate) mod validate;

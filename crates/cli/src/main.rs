@@ -15,6 +15,7 @@ mod intersect;
 #[cfg(feature = "lab")]
 mod lab;
 mod model;
+mod named;
 mod output;
 mod policy;
 mod print;

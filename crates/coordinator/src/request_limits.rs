@@ -17,6 +17,21 @@ pub enum Until {
     Certified,
 }
 
+impl Until {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Complete, Self::Ordered, Self::Certified];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Ordered => "ordered",
+            Self::Certified => "certified",
+        }
+    }
+}
+
 impl From<Until> for RecordedUntil {
     fn from(until: Until) -> Self {
         match until {

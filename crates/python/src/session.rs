@@ -174,15 +174,11 @@ pub(crate) fn raise_first<T>(
 
 impl Wanted {
     fn limits(&self) -> Result<Limits, Failure> {
-        let until = match self.until.as_str() {
-            "complete" => Until::Complete,
-            "ordered" => Until::Ordered,
-            "certified" => Until::Certified,
-            other => {
-                let failure = Failure::setting(format!("until: \"{other}\" is no such moment"));
-                return Err(failure.with_remedy("\"complete\", \"ordered\" or \"certified\""));
-            }
-        };
+        let until = Until::ALL.into_iter().find(|until| until.name() == self.until);
+        let until = until.ok_or_else(|| {
+            let failure = Failure::setting(format!("until: \"{}\" is no such moment", self.until));
+            failure.with_remedy("\"complete\", \"ordered\" or \"certified\"")
+        })?;
         let mut limits = Limits::default().until(until);
         if let Some(ms) = self.deadline_ms {
             limits = limits.with_deadline_ms(ms)?;

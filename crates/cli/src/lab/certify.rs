@@ -2,8 +2,8 @@
 //!
 //! Each verb prints a table, or a JSON document; after a violation the exit code is 1.
 
-use super::named::named;
 use super::shown::show;
+use crate::named::named;
 use crate::output::Output;
 use ::lab::certify::{
     BUDGET, BoundsOptions, BudgetOptions, CourseFlaw, DeadlineOptions, MembersOptions,
@@ -11,7 +11,7 @@ use ::lab::certify::{
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
-use trolley::{Failure, FailureKind};
+use trolley::{Failure, FailureKind, Until};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -122,6 +122,10 @@ pub(crate) struct DeadlineArgs {
     /// Maximum number of tests per job.
     #[arg(long, value_name = "TESTS", default_value_t = BUDGET)]
     budget: u64,
+    /// When to stop: see `trolley rank --help`.
+    #[arg(long, value_name = "WHEN", default_value = "complete",
+          value_parser = named(Until::ALL, Until::name))]
+    until: Until,
     /// Follow the candidates in N members at first, and in up to 128 where the best two are too
     /// close to call.
     #[arg(long, value_name = "N", default_value_t = 1,
@@ -184,6 +188,7 @@ pub(crate) fn run(verb: &Verb, output: &Output) -> Result<ExitCode, Failure> {
                 workers: args.workers,
                 load: args.load,
                 budget: args.budget,
+                until: args.until,
                 members: args.members,
                 candidates: args.candidates.map(usize::from),
                 others: args.others.map(usize::from),

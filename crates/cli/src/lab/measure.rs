@@ -1,10 +1,10 @@
 //! `trolley measure`: the paper's experiment on real bodies (schemes, depths, buffers, transfer),
 //! the map of where each of its claims holds, or one ranking with experimental settings.
 
-use super::named::named;
 use super::shown::show;
 use crate::answer_args::LimitArgs;
 use crate::engine_args::EngineArgs;
+use crate::named::named;
 use crate::output::Output;
 use crate::reference_args::ReferenceArgs;
 use ::lab::PairName;

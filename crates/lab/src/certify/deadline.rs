@@ -5,7 +5,7 @@ use super::requests::{self, Extent, Pool};
 use crate::progress::{Progress, SyncProgress};
 use bvh::support::Extremes;
 use coordinator::{
-    Backend, BodySet, CourseRequest, InProcessExecutor, Options, RequestLimits, WorkerPool,
+    Backend, BodySet, CourseRequest, InProcessExecutor, Options, RequestLimits, Until, WorkerPool,
     rank_courses,
 };
 use damage::AnswerState;
@@ -37,6 +37,8 @@ pub struct DeadlineOptions {
     pub load: usize,
     /// Maximum number of tests per job.
     pub budget: u64,
+    /// When work stops.
+    pub until: Until,
     /// In how many members the candidates are followed, at first.
     pub members: u32,
     /// Ways of the ego; `None`: 6 to 16.
@@ -55,6 +57,7 @@ pub struct DeadlineReport {
     workers: u8,
     cores: usize,
     load: usize,
+    until: &'static str,
     /// How many ways of the ego, and parties besides it, requests have.
     candidates: String,
     others: String,
@@ -123,7 +126,8 @@ pub fn deadline(
         ..Options::new(format!("d{}", std::process::id()), BUILD, cores)
     };
     let due = Duration::from_secs_f64(options.deadline_ms / 1e3);
-    let limits = RequestLimits { budget: options.budget, ..RequestLimits::due_in(due) };
+    let DeadlineOptions { until, budget, .. } = *options;
+    let limits = RequestLimits { until, budget, ..RequestLimits::due_in(due) };
     let over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..options.load {
@@ -224,6 +228,7 @@ fn report(options: &DeadlineOptions, bodies: Vec<String>, all: Asked) -> Deadlin
         workers: options.workers,
         cores: affinity::allowed_cores().len(),
         load: options.load,
+        until: options.until.name(),
         candidates: options.candidates.map_or("6 to 16".into(), |count| count.to_string()),
         others,
         states,
@@ -242,9 +247,9 @@ impl DeadlineReport {
         let [complete, certified, degraded, refused] = self.states;
         let mut text = format!(
             "{} requests of {} candidates and {} others of {} bodies ({}), each due after {} ms \
-             (put together {} ms before), {} workers on {} cores, {} threads of load: {complete} \
-             complete, {certified} certified, {degraded} degraded, {refused} refused.\n\n| later \
-             than due by (ms) | answers |\n|--:|--:|\n",
+             (put together {} ms before), until {}, {} workers on {} cores, {} threads of load: \
+             {complete} complete, {certified} certified, {degraded} degraded, {refused} \
+             refused.\n\n| later than due by (ms) | answers |\n|--:|--:|\n",
             self.requests,
             self.candidates,
             self.others,
@@ -252,6 +257,7 @@ impl DeadlineReport {
             names(&self.bodies),
             self.deadline_ms,
             RequestLimits::GUARD.as_secs_f64() * 1e3,
+            self.until,
             self.workers,
             self.cores,
             self.load,
