@@ -214,7 +214,8 @@ impl<'s> Course<'s> {
 
     /// From when on (s) it is not known what happens, if it is not.
     fn open_from_s(&self) -> Option<f64> {
-        self.way.open_from_s.or(self.stuck.map(|stuck| stuck.time_s))
+        let stuck_s = || self.stuck.map(|stuck| stuck.time_s);
+        self.way.open_from_s.or_else(stuck_s).or_else(|| self.way.unknown_from_s())
     }
 
     /// Whether an open course keeps a contact when it is finished. A light one may give way to a
@@ -313,7 +314,7 @@ fn follow(
         followed.follow(0, false)?;
         followed.judged(0)?
     } else {
-        stages::followed(request.members, time, &mut followed)?
+        stages::followed(request.members, (until, time), &mut followed)?
     };
     let rounds = followed.rounds;
     let Rounds { scenery, people, courses, mut encounters, mut effort, reports, .. } = rounds;

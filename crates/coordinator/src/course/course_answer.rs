@@ -296,10 +296,11 @@ fn tie_class<'r>(
 /// What is not known of a course; `None`: nothing.
 fn missing(scenery: &Scenery<'_>, course: &Course<'_>) -> Option<String> {
     let name = |party: usize| &scenery.scenario.parties[party].name;
-    if let Some(from_s) = course.way.open_from_s {
-        return Some(format!("whom it meets after {from_s:.3} s"));
-    }
-    let Stuck { party, time_s, unevaluable } = course.stuck?;
+    let Some(Stuck { party, time_s, unevaluable }) =
+        course.stuck.filter(|_| course.way.open_from_s.is_none())
+    else {
+        return course.open_from_s().map(|from_s| format!("whom it meets after {from_s:.3} s"));
+    };
     let party = name(party);
     Some(match unevaluable {
         Some(Unevaluable::AlreadyOverlapping) => format!(

@@ -64,7 +64,8 @@ pub(super) struct Rounds<'r> {
     pub(super) order: CourseOrder,
     /// Whether contacts keep what other criteria assess.
     pub(super) keeps_facts: bool,
-    /// Whether what is followed now is a part of what was asked for, all of which is wanted.
+    /// Whether what is followed now is a part of what was asked for: what does not matter in it may
+    /// do so in the next one.
     pub(super) is_part: bool,
     /// The extremes of each body, as far as they were asked for: for members, of whom each asks
     /// much the same.
@@ -188,6 +189,12 @@ impl<'r> Rounds<'r> {
         time: &SearchClock,
     ) -> Result<(), RunError> {
         loop {
+            if self.is_part && self.drawn() == 0 && self.is_watched() {
+                let standing = self.standing(&[]);
+                if self.is_settled(&standing)? {
+                    return Ok(());
+                }
+            }
             let round = self.search(chosen, surveyor, time)?;
             let begun_ns = clock::now_ns();
             let round = self.spare(round)?;
@@ -203,17 +210,24 @@ impl<'r> Rounds<'r> {
 
     /// Whether work may end before all of it is done.
     pub(super) fn is_watched(&self) -> bool {
-        self.stop.is_watched() && !self.is_part
+        self.stop.is_watched() && (!self.is_part || self.stop.is_for_winner())
     }
 
     /// Whether members are followed only as far as they tell who wins.
     pub(super) fn is_for_winner(&self) -> bool {
-        self.stop.is_for_winner() && !self.is_part && self.drawn() > 0
+        self.stop.is_for_winner() && self.drawn() > 0
     }
 
-    /// Whether there cannot be more members.
-    pub(super) fn is_last_stage(&self) -> bool {
-        self.drawn() as u32 >= self.request.members.most
+    /// Whether more members are drawn if the best two are too close to call.
+    pub(super) fn may_draw_more(&self) -> bool {
+        !self.is_part && 0 < self.drawn() && (self.drawn() as u32) < self.request.members.most
+    }
+
+    /// Whether anything is open of a candidate in the members.
+    pub(super) fn is_open_in_members(&self, candidate: usize) -> bool {
+        let candidates = self.scenery.scenario.candidates.len();
+        let mut own = self.courses.iter().skip(candidates + candidate).step_by(candidates);
+        own.any(Course::is_open)
     }
 
     /// The order by the last look at what is known.
@@ -245,8 +259,8 @@ impl<'r> Rounds<'r> {
             let close = expected::may_be_close(policy, &stakes, &harms[1..], first)?;
             Ok(close.contains(&true))
         };
-        let is_last = self.drawn() == 0 || self.is_last_stage();
-        let may_be_close: Option<MayBeClose<'_>> = if is_last { None } else { Some(&may_be_close) };
+        let may_be_close: Option<MayBeClose<'_>> =
+            if self.may_draw_more() { Some(&may_be_close) } else { None };
         Ok(self.stop.look(means, is_open, may_be_close)?)
     }
 
@@ -290,7 +304,7 @@ impl<'r> Rounds<'r> {
     /// Leaves open what cannot change what was asked for. Returns the contacts that still have to
     /// be surveyed.
     pub(super) fn spare(&mut self, round: Round) -> Result<Round, RequestError> {
-        if !self.is_watched() {
+        if !self.is_watched() || self.is_part {
             return Ok(round);
         }
         let Round { mut meetings, mut contacts } = round;
@@ -318,8 +332,12 @@ impl<'r> Rounds<'r> {
         Ok(Round { meetings, contacts })
     }
 
-    /// Gives up what is open and, by the last look, cannot change what was asked for.
+    /// Gives up what is open and, by the last look, cannot change what was asked for: nothing in a
+    /// part of it.
     pub(super) fn spare_open(&mut self) {
+        if self.is_part {
+            return;
+        }
         for course in &mut self.courses {
             if course.is_open() && self.stop.may_spare(course.candidate) {
                 course.is_spared = true;

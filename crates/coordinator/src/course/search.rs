@@ -189,8 +189,18 @@ impl CourseSearch<'_, '_> {
     /// Asks for the looks that a course needs: those of one that has asked before go first, as
     /// nobody else is as far behind.
     fn begin(&mut self, at: usize, is_first: bool) {
-        let Self { courses, encounters, effort, looks, ready, .. } = self;
+        let Self { assembly, courses, encounters, effort, cutoff, looks, ready, not_done, .. } =
+            self;
         let Searching { k, course, out, .. } = &mut courses[at];
+        if is_first && assembly.has_limit && course.needs_looks() {
+            // After the deadline there may be hundreds that have not begun.
+            let step = OpenStep { course: *k as u32, number: course.steps };
+            course.steps += 1;
+            if cutoff.is_over(step) {
+                not_done.push(step);
+                return course.way.give_up();
+            }
+        }
         if course.needs_looks() {
             course.way.prepare(encounters);
         }

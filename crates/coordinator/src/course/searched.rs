@@ -244,7 +244,8 @@ impl SearchedCourses {
             assessment.assess_members(0)?;
             assessment.judged(0)?
         } else {
-            stages::followed(self.members, &SearchClock::until(None), &mut assessment)?
+            let always = (Until::Complete, &SearchClock::until(None));
+            stages::followed(self.members, always, &mut assessment)?
         };
         let Assessment { stakes, persons, .. } = assessment;
         let drawn = judged.members.as_ref().map_or(0, stages::MembersFound::count);

@@ -58,19 +58,25 @@ impl Selection {
         let left: Vec<usize> = (0..rounds.courses.len()).filter(is_left).collect();
         // Once time is over all is left open at once, without looking what matters.
         let is_choice = rounds.is_for_winner() && !time.is_over();
-        let mut chosen = if is_choice { deciding(rounds, left)? } else { left };
+        let is_hurried = time.has_limit();
+        let mut chosen = if is_choice { deciding(rounds, left, is_hurried)? } else { left };
         chosen.sort_unstable();
         chosen.iter().for_each(|k| self.was_chosen[*k] = true);
         Ok(chosen)
     }
 }
 
-/// Those of the courses that are left, in ascending order, which tell most of who wins.
-fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, RequestError> {
+/// Those of the courses that are left, in ascending order, which tell most of who wins. In a hurry,
+/// what the scene as stated has left open is followed of the leader alone: it is only shown.
+fn deciding(
+    rounds: &mut Rounds<'_>,
+    left: Vec<usize>,
+    is_hurried: bool,
+) -> Result<Vec<usize>, RequestError> {
     let candidates = rounds.scenery.scenario.candidates.len();
-    let stated = left.partition_point(|k| *k < candidates);
-    if left.is_empty() || stated > 0 {
-        return Ok(left[..stated].to_vec());
+    let (stated, drawn) = left.split_at(left.partition_point(|k| *k < candidates));
+    if left.is_empty() || (!is_hurried && !stated.is_empty()) {
+        return Ok(stated.to_vec());
     }
     let standing = rounds.standing(&[]);
     if rounds.is_settled(&standing)? {
@@ -79,10 +85,10 @@ fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, Req
     }
     let (policy, stakes) = (&rounds.request.criteria.policy, rounds.people.stakes());
     let members = &standing.harms[1..];
-    let is_last = rounds.is_last_stage();
+    let may_draw_more = rounds.may_draw_more();
     let ranking = rounds.ranking();
-    let is_open = |k: usize| standing.is_open[k];
-    if !is_last
+    let is_open = |k: usize| rounds.is_open_in_members(k);
+    if may_draw_more
         && stages::certain_lead(policy, &stakes, members, (ranking, &is_open))?
             .is_some_and(|lead| lead.is_close())
     {
@@ -97,17 +103,18 @@ fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, Req
             rank(policy, &stakes, &seen)?.places[0].candidate
         }
     };
-    let left_of = |k: usize| left.iter().copied().filter(move |course| course % candidates == k);
-    let is_leader_done = left_of(leader).next().is_none();
-    if rounds.order == CourseOrder::Race && !is_leader_done {
-        return Ok(left_of(leader).take(OF_LEADER).collect());
+    let of_leader = left.iter().copied().filter(|course| course % candidates == leader);
+    let of_leader: Vec<usize> = of_leader.take(OF_LEADER).collect();
+    if rounds.order == CourseOrder::Race && !of_leader.is_empty() {
+        return Ok(of_leader);
     }
-    let mut matters: Vec<bool> = if winner.is_some() && !is_last {
+    let left_of = |k: usize| drawn.iter().copied().filter(move |course| course % candidates == k);
+    let mut matters: Vec<bool> = if winner.is_some() && may_draw_more {
         expected::may_be_close(policy, &stakes, members, leader)?
     } else {
         (0..candidates).map(|k| ranking.possible.contains(&k)).collect()
     };
-    matters[leader] |= !is_leader_done;
+    matters[leader] |= !of_leader.is_empty();
     let with_work = |rivals: &dyn Fn(&usize) -> bool| -> Vec<usize> {
         (0..candidates).filter(|k| rivals(k) && left_of(*k).next().is_some()).collect()
     };
@@ -116,8 +123,11 @@ fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, Req
         // Who is second is open.
         rivals = with_work(&|_| true);
     }
+    if rivals.is_empty() {
+        return Ok(stated.to_vec());
+    }
     let each = match rounds.order {
-        CourseOrder::Race => OF_RIVALS.div_ceil(rivals.len()),
+        CourseOrder::Race => OF_RIVALS.div_ceil(rivals.len()).min(most_of_rival(rounds.drawn())),
         CourseOrder::Sequential => {
             rivals.truncate(1);
             OF_LEADER
@@ -127,13 +137,21 @@ fn deciding(rounds: &mut Rounds<'_>, left: Vec<usize>) -> Result<Vec<usize>, Req
     Ok(rivals.into_iter().flat_map(|k| left_of(k).take(each)).collect())
 }
 
-/// The mean of what was followed to its end of each candidate, the scene as stated included.
+/// Members in which a rival is followed at a time, at most: where there are few, what it does in
+/// some of them may suffice.
+fn most_of_rival(members: usize) -> usize {
+    members.div_ceil(4)
+}
+
+/// The mean of what was followed to its end of each candidate, and of the scene as stated as far as
+/// that is known.
 fn seen(rounds: &Rounds<'_>, standing: &Standing) -> Vec<CourseHarm> {
     let candidates = standing.means.len();
     let finished = |k: usize| {
         let all = rounds.courses.iter().zip(standing.harms.iter().flatten());
-        let own = all.skip(k).step_by(candidates).filter(|(course, _)| !course.is_open());
-        expected::mean(own.map(|(_, harm)| harm))
+        let own = all.enumerate().skip(k).step_by(candidates);
+        let own = own.filter(|(number, (course, _))| *number < candidates || !course.is_open());
+        expected::mean(own.map(|(_, (_, harm))| harm))
     };
     (0..candidates).map(finished).collect()
 }

@@ -10,6 +10,7 @@ use super::history::SearchClock;
 use super::rounds::means;
 use super::{Answer, Course, CourseRow, Judged};
 use crate::request::RequestError;
+use crate::request_limits::Until;
 use damage::expected::{self, Lead, Spread, Spreads};
 use damage::rule::Stake;
 use damage::{AnswerState, CourseHarm, Interval, Policy, RankedCandidates};
@@ -146,8 +147,8 @@ pub(super) trait Stages {
     /// Why a stage cannot be followed, or judged.
     type Error: From<RequestError>;
 
-    /// Follows all candidates in the scene as stated and in so many members; `is_part`: all of a
-    /// part is wanted.
+    /// Follows all candidates in the scene as stated and in so many members; `is_part`: what is
+    /// left open, as it does not matter, may do so in more members.
     fn follow(&mut self, count: u32, is_part: bool) -> Result<(), Self::Error>;
 
     /// The order by what is known of so many members; 0: of the scene as stated.
@@ -159,9 +160,10 @@ pub(super) trait Stages {
 /// Where there is a deadline, the scene as stated is followed first, and of the first stage ever
 /// longer parts: if it is not finished in time, the answer is that of the last part that was. What
 /// is known of a member does not depend on the others, so a finished stage is the same either way.
+/// Where the winner is all that is asked for, a part is finished once its winner is certain.
 pub(super) fn followed<S: Stages>(
     members: Members,
-    time: &SearchClock,
+    (until, time): (Until, &SearchClock),
     stages: &mut S,
 ) -> Result<Judged, S::Error> {
     let Members { count: asked, most } = members;
@@ -171,8 +173,12 @@ pub(super) fn followed<S: Stages>(
         let is_part = count < asked;
         stages.follow(count, is_part)?;
         let judged = stages.judged(count)?;
-        let is_done = judged.ranking.state == AnswerState::Complete;
         if is_part {
+            let is_done = match judged.ranking.state {
+                AnswerState::Complete => true,
+                AnswerState::Certified => until == Until::Certified,
+                _ => false,
+            };
             if time.is_over() {
                 return Ok(late(match finished {
                     Some(before) if !is_done => before,
@@ -268,14 +274,15 @@ impl Stage<'_> {
             ranking.state = AnswerState::Certified;
         }
         let own = |k: usize| self.courses.iter().skip(k).step_by(candidates);
-        let is_open = |k: usize| own(k).any(|course| course.is_open);
+        let is_open = |k: usize| own(k).skip(1).any(|course| course.is_open);
         let (spreads, lead) = if is_done {
             let spreads = expected::spreads(policy, stakes, &all[1..], &order)?;
             let lead = spreads.lead;
             (spreads, lead)
         } else {
             let lead = certain_lead(policy, stakes, &all[1..], (ranking, &is_open))?;
-            if ranking.state == AnswerState::Certified && count < members.most {
+            let may_draw_more = members.count <= count && count < members.most;
+            if ranking.state == AnswerState::Certified && may_draw_more {
                 // More members may have another winner.
                 let may_be_close = expected::may_be_close(policy, stakes, &all[1..], order[0])?;
                 if may_be_close.contains(&true) {
@@ -310,7 +317,7 @@ impl Stage<'_> {
 
 /// The lead of the first candidate, if it is the same whatever open work finds: then it is certain
 /// who the first two are, and nothing in these is open. `harms` are those of members; `is_open` is
-/// asked by candidate.
+/// asked by candidate, of members too.
 pub(super) fn certain_lead(
     policy: &Policy,
     stakes: &[Stake],

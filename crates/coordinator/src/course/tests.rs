@@ -42,6 +42,24 @@ pub(super) fn attempted(
     bodies: &[&Body],
     limits: RequestLimits,
 ) -> Result<RankedCourses, RunError> {
+    with_request(text, bodies, |stage, request| {
+        let executor = InProcessExecutor::with_room_for(stage.bodies);
+        let mut backend = Backend::InProcess(Box::new(executor));
+        let ranked = rank_courses(stage, request, limits, &mut backend)?;
+        let history = ranked.history.as_ref().expect("it was requested");
+        let again = replay_courses(stage, request, history).expect("it can be ranked again");
+        assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
+        assert_eq!(again.explanation, ranked.explanation);
+        Ok(ranked)
+    })
+}
+
+/// Does something with a scene and the request to rank it.
+pub(super) fn with_request<T>(
+    text: &str,
+    bodies: &[&Body],
+    work: impl FnOnce(&BodySet<'_>, &CourseRequest<'_>) -> T,
+) -> T {
     let head = "schema = \"trolley.scenario/2\"\nname = \"test\"\n";
     let scenario = Scenario::parse("test.toml", &format!("{head}{text}"))
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -63,14 +81,7 @@ pub(super) fn attempted(
         explanation: true,
         scene: true,
     };
-    let executor = InProcessExecutor::with_room_for(&views);
-    let mut backend = Backend::InProcess(Box::new(executor));
-    let ranked = rank_courses(&stage, &request, limits, &mut backend)?;
-    let history = ranked.history.as_ref().expect("it was requested");
-    let again = replay_courses(&stage, &request, history).expect("it can be ranked again");
-    assert_eq!(format!("{:?}", again.answer), format!("{:?}", ranked.answer));
-    assert_eq!(again.explanation, ranked.explanation);
-    Ok(ranked)
+    work(&stage, &request)
 }
 
 fn ranked(text: &str, bodies: &[&Body]) -> Answer {

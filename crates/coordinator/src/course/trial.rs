@@ -4,7 +4,8 @@
 //! The search is stopped at one of its looks, and looks and jobs of surveys are lost. What must
 //! hold then: the finished harm, risks and energy lie in their intervals; before the time from
 //! which on a candidate is open, everybody is known whom the finished work finds; and who is
-//! certified to win wins.
+//! certified to win wins. An answer over fewer members, as there was no time for more, is held
+//! against the finished work on as many.
 //!
 //! [`CourseFlaw`] makes answers wrong on purpose: a trial must notice it. All of this is compiled
 //! only with the feature `faults` and in the tests of this crate.
@@ -18,6 +19,9 @@ use crate::request_limits::Until;
 use crate::workspace::{BodySet, RunError};
 use damage::{AnswerState, Interval};
 use geometry::rng::Rng;
+use scenario::Members;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt::Write as _;
 
 /// A deliberate flaw in what is said of courses.
@@ -52,6 +56,10 @@ pub struct TrialResult {
     pub over_members: u64,
     /// Inspections at which the winner was certain and work was open.
     pub certified: u64,
+    /// Answers over fewer members, as there was no time for more.
+    pub late: u64,
+    /// Those of them in which no more was followed than it takes to know who wins.
+    pub late_certified: u64,
     /// Intervals checked against the finished run.
     pub intervals: u64,
     /// Intervals of nonzero width.
@@ -73,6 +81,8 @@ impl TrialResult {
         self.stops += other.stops;
         self.over_members += other.over_members;
         self.certified += other.certified;
+        self.late += other.late;
+        self.late_certified += other.late_certified;
         self.intervals += other.intervals;
         self.open_intervals += other.open_intervals;
         self.violations.extend(other.violations);
@@ -93,19 +103,22 @@ pub fn trial_courses(
 ) -> Result<TrialResult, RunError> {
     let mut rng = Rng::new(seed);
     let never = SearchClock::trial(None);
-    let stopped =
-        |(until, order): (Until, CourseOrder), clock: &SearchClock, loses: u64, seed: u64| {
-            let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
-            let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
-            follow((stage, request), (until, order), clock, &mut surveyor)
-                .map(|ranked| ranked.answer)
-        };
+    let worked = |request: &CourseRequest<'_>,
+                  (until, order): (Until, CourseOrder),
+                  clock: &SearchClock,
+                  (loses, seed): (u64, u64)| {
+        let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
+        let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(seed), loses };
+        follow((stage, request), (until, order), clock, &mut surveyor).map(|ranked| ranked.answer)
+    };
+    let to_the_end = (Until::Complete, CourseOrder::Race);
     let mut result = TrialResult::default();
-    let end = match stopped((Until::Complete, CourseOrder::Race), &never, 0, 0) {
+    let end = match worked(request, to_the_end, &never, (0, 0)) {
         // Bodies stand so close that nearly all draws overlap: there is nothing to try.
         Err(RunError::Request(RequestError::Overlap { .. })) => return Ok(result),
         end => end?,
     };
+    let mut ends = BTreeMap::from([(count_of(&end), end.clone())]);
     for _ in 0..stops {
         let point = rng.below(never.points() + 1);
         // Most surveys are whole, so that courses go on after them.
@@ -115,15 +128,37 @@ pub fn trial_courses(
         let until = [Until::Complete, Until::Ordered, Until::Certified][rng.below(3) as usize];
         let seed = rng.below(u64::MAX);
         let order = ORDERS[(seed % ORDERS.len() as u64) as usize];
-        let mut now = stopped((until, order), &clock, loses, seed)?;
+        let mut now = worked(request, (until, order), &clock, (loses, seed))?;
         if let Some(flaw) = flaw {
             corrupt(&mut now, flaw);
         }
         result.stops += 1;
         result.over_members += u64::from(!request.members.is_nominal());
-        check(&now, &end, &mut result);
+        check_state(&now, &end, &mut result);
+        if now.state == AnswerState::Refused {
+            continue;
+        }
+        let end = match ends.entry(count_of(&now)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(none) => {
+                let count = none.key().unwrap_or(1);
+                let request =
+                    CourseRequest { members: Members { count, most: count }, ..request.clone() };
+                let always = SearchClock::until(None);
+                none.insert(worked(&request, to_the_end, &always, (0, 0))?)
+            }
+        };
+        check_figures(&now, end, &mut result);
+        if now.members.is_some_and(|members| members.is_late) {
+            check_late(&now, end, loses == 0, &mut result);
+        }
     }
     Ok(result)
+}
+
+/// How many members an answer is of; `None`: it is of the scene as stated.
+fn count_of(answer: &Answer) -> Option<u32> {
+    answer.members.map(|members| members.count)
 }
 
 fn corrupt(answer: &mut Answer, flaw: CourseFlaw) {
@@ -141,14 +176,15 @@ fn corrupt(answer: &mut Answer, flaw: CourseFlaw) {
     }
 }
 
-fn check(now: &Answer, end: &Answer, result: &mut TrialResult) {
+/// Checks the state of an answer against that of the finished work.
+fn check_state(now: &Answer, end: &Answer, result: &mut TrialResult) {
     match now.state {
         AnswerState::Complete if now != end => {
             result.violations.push(format!("complete, and not as finished: {now:?}"));
         }
         AnswerState::Certified => {
             result.certified += 1;
-            let [by, of] = [now, end].map(|answer| answer.members.map(|of| of.count));
+            let [by, of] = [now, end].map(count_of);
             if by != of {
                 result.violations.push(format!("certified with {by:?} members, in the end {of:?}"));
             }
@@ -160,11 +196,24 @@ fn check(now: &Answer, end: &Answer, result: &mut TrialResult) {
         }
         _ => {}
     }
-    let count = |answer: &Answer| answer.members.map(|members| members.count);
-    // Means over other members are others.
-    if now.state == AnswerState::Refused || count(now) != count(end) {
-        return;
+}
+
+/// Checks an answer over fewer members against the finished work on as many: unless work was lost,
+/// it is known who wins.
+fn check_late(now: &Answer, end: &Answer, is_all_done: bool, result: &mut TrialResult) {
+    let open = |row: &CourseRow| row.expected.as_ref().is_some_and(|expected| expected.open > 0);
+    result.late += 1;
+    result.late_certified += u64::from(now.ranking.iter().any(open));
+    let [first, winner] = [now, end].map(|answer| &answer.ranking[0].name);
+    if is_all_done && first != winner {
+        let count = count_of(now);
+        let what = format!("{first} is first of {count:?} members, in the end {winner} is");
+        result.violations.push(what);
     }
+}
+
+/// Checks the figures of an answer against those of the finished work on as many members.
+pub(super) fn check_figures(now: &Answer, end: &Answer, result: &mut TrialResult) {
     for row in &now.ranking {
         match end.ranking.iter().find(|finished| finished.name == row.name) {
             Some(finished) => hold(row, finished, result),
@@ -224,7 +273,7 @@ pub fn random_courses(rng: &mut Rng) -> String {
     let members = match between(0.0, 3.99) as u32 {
         0 => "members = 1\n".to_owned(),
         _ => {
-            let count = between(2.0, 5.99) as u32;
+            let count = between(2.0, 7.99) as u32;
             format!("members = {count}\nmembers_max = {}\n", count * between(1.0, 3.99) as u32)
         }
     };

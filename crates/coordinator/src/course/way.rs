@@ -155,7 +155,7 @@ pub(crate) struct Way<'s> {
     ahead: Vec<Ahead>,
     /// Per party: after a light contact, from when on (s) they may be apart again.
     passing: Vec<Option<(f64, Still)>>,
-    /// The first time (s) from which on something is open, if any is.
+    /// The first time (s) from which on it is left open what happens, if it is.
     pub(crate) open_from_s: Option<f64>,
     /// Parties that were touched at the start and part.
     pub(crate) passed_at_start: Vec<usize>,
@@ -345,12 +345,17 @@ impl<'s> Way<'s> {
 
     /// Leaves open whatever is not known.
     pub(crate) fn give_up(&mut self) {
+        self.open_from_s = self.unknown_from_s();
+    }
+
+    /// The first time (s) from which on something is not known; `None` at the end of the way.
+    pub(crate) fn unknown_from_s(&self) -> Option<f64> {
         let from_s = |ahead: &Ahead| match ahead {
             Ahead::Unknown { from_s, .. } | Ahead::Open { from_s } => Some(*from_s),
             Ahead::Contact(meeting) => Some(meeting.touching.time_s),
             Ahead::Clear | Ahead::Done => None,
         };
-        self.open_from_s = self.ahead.iter().filter_map(from_s).min_by(f64::total_cmp);
+        self.ahead.iter().filter_map(from_s).min_by(f64::total_cmp)
     }
 
     /// Whether a light contact with a party may still give way to a heavy one of the same crash.

@@ -50,6 +50,8 @@ pub struct BoundsReport {
     intervals: u64,
     open_intervals: u64,
     certified: u64,
+    /// Answers over fewer members than in the end, and those of them with open work.
+    late: [u64; 2],
     violations: usize,
     is_flawed: bool,
     /// The seed of the first scene that was not right, and what was not.
@@ -100,6 +102,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
         intervals: all.intervals,
         open_intervals: all.open_intervals,
         certified: all.certified,
+        late: [all.late, all.late_certified],
         violations: all.violations.len(),
         is_flawed: options.flaw.is_some(),
         first,
@@ -152,7 +155,8 @@ impl BoundsReport {
         let mut text = format!(
             "{} stops, {} of them over members, in {} scenes, {} policies, seed {}: {} intervals \
              compared with the finished run, {} of them open, {} stops with a certain winner and \
-             open work.\n{} violations{made}.\n",
+             open work, {} in time for fewer members alone, {} of these with open work.\n{} \
+             violations{made}.\n",
             self.stops,
             self.over_members,
             self.scenes,
@@ -161,6 +165,8 @@ impl BoundsReport {
             self.intervals,
             self.open_intervals,
             self.certified,
+            self.late[0],
+            self.late[1],
             self.violations,
         );
         if let Some((seed, what)) = &self.first {

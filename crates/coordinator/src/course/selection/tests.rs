@@ -1,11 +1,18 @@
 //! Over members, no more is followed than it takes to know who wins; and who wins is the same.
 
-use crate::course::tests::{ego, party, worked_within};
+use super::CourseOrder;
+use crate::course::history::{SearchClock, Surveyor};
+use crate::course::tests::{ego, party, with_request, worked_within};
+use crate::course::trial::{TrialResult, check_figures};
+use crate::course::{CourseRequest, follow};
 use crate::fixtures::body;
+use crate::in_process::InProcessExecutor;
 use crate::request_limits::{RequestLimits, Until};
 use crate::{Answer, CourseRow};
 use body::{Body, Shape};
 use damage::AnswerState;
+use geometry::rng::Rng;
+use scenario::Members;
 
 fn way(name: &str, y: f64, speed_m_s: f64) -> String {
     let (one, two) = (speed_m_s, 2.0 * speed_m_s);
@@ -113,4 +120,69 @@ fn what_is_certified_before_a_deadline_wins_in_the_end() {
             }
         }
     }
+}
+
+/// A scene whose work is stopped at its looks: after so many of them.
+fn stopped(
+    (text, bodies): (&str, &[&Body]),
+    (members, until): (Option<Members>, Until),
+    over_at: Option<u64>,
+) -> Answer {
+    with_request(text, bodies, |stage, request| {
+        let members = members.unwrap_or(request.members);
+        let request = &CourseRequest { members, ..request.clone() };
+        let executor = Box::new(InProcessExecutor::with_room_for(stage.bodies));
+        let mut surveyor = Surveyor::Lossy { executor, rng: Rng::new(1), loses: 0 };
+        let (how, clock) = ((until, CourseOrder::Race), SearchClock::trial(over_at));
+        follow((stage, request), how, &clock, &mut surveyor).expect("it can be ranked").answer
+    })
+}
+
+/// In the same time more members can be followed, and what a part leaves open is followed in the
+/// next one if it matters there.
+#[test]
+fn a_part_is_finished_once_its_winner_is_certain() {
+    let ways = [way("fast", 0.0, 14.0), way("slow", 0.0, 9.0), way("faster", 0.0, 19.0)].concat();
+    let wall = party("wall", "wall", "place = { position_m = [16, 0, 0] }");
+    let text = format!("members = 32\nmembers_max = 32\n{}{wall}{ways}", ego());
+    let bodies = [body(Shape::Sedan, 900), body(Shape::Wall, 900)];
+    let bodies = [&bodies[0], &bodies[1]];
+    // After how many looks at the clock so many members are known.
+    let reached = |until: Until, least: u32| {
+        let is_known = |over_at: &u64| {
+            let answer = stopped((&text, &bodies), (None, until), Some(*over_at));
+            if let Some(members) = answer.members.filter(|members| members.is_late) {
+                assert_eq!(answer.ranking[0].name, "slow", "of {} members", members.count);
+                assert_eq!(open(&answer, "slow"), 0);
+            }
+            answer.members.is_some_and(|members| members.count >= least)
+        };
+        (0..).step_by(3).find(is_known).expect("in the end all are known")
+    };
+    for least in [4, 8, 16] {
+        let [whole, early] = [Until::Complete, Until::Certified].map(|until| reached(until, least));
+        assert!(3 * early < 2 * whole, "{least} members after {early} looks, and {whole}");
+    }
+}
+
+/// Wherever time ends, what the scene as stated has left open is said to be so.
+#[test]
+fn what_was_not_followed_is_open() {
+    // Whoever passes everybody wins, so the others need not be followed.
+    let ways = [way("free", -9.0, 12.0), way("wall", 9.0, 18.0), way("pole", -0.9, 12.0)];
+    let (text, bodies) = poles_and_wall("members = 8\nmembers_max = 8\n", &ways.concat());
+    let bodies: Vec<&Body> = bodies.iter().collect();
+    let scene = (&*text, &bodies[..]);
+    let end = stopped(scene, (Some(Members::NOMINAL), Until::Complete), None);
+    let (mut result, mut open) = (TrialResult::default(), 0);
+    for over_at in 0.. {
+        let answer = stopped(scene, (None, Until::Certified), Some(over_at));
+        if answer.members.is_some() {
+            break;
+        }
+        check_figures(&answer, &end, &mut result);
+        open += answer.ranking.iter().filter(|row| row.open_from_s.is_some()).count();
+        assert!(result.violations.is_empty(), "after {over_at} looks: {:?}", result.violations);
+    }
+    assert!(open > 0 && result.intervals > 0);
 }
