@@ -94,6 +94,9 @@ fn verdict(answer: &Answer, run: &Run) -> String {
     let state = match answer.state {
         AnswerState::Complete => "COMPLETE: all work is done",
         AnswerState::Certified => "CERTIFIED: no open work can change the winner",
+        AnswerState::Degraded if answer.members.is_some_and(|members| members.is_late) => {
+            "DEGRADED: more members could change the winner"
+        }
         AnswerState::Degraded => "DEGRADED: open work could change the winner",
         AnswerState::Refused => "REFUSED: no candidate has a bound",
     };

@@ -29,7 +29,7 @@ pub struct MembersRow {
     /// How many draws were replaced, as the ego overlapped somebody at time 0.
     pub replaced: u32,
     /// By how much the first two candidates differ in the leading measure; `None` where something
-    /// is open, or there is one candidate.
+    /// is open in members, or there is one candidate.
     pub lead: Option<Lead>,
     /// Whether a further stage, or the rest of the first, was not finished in time.
     pub is_late: bool,
@@ -49,11 +49,12 @@ pub struct ExpectedRow {
     /// In how many members it was not decided whether the ego and a party lie inside each other at
     /// the start: the outer body is open.
     pub undecided: u32,
-    /// The leading measure over members; `None` where something is open, here or elsewhere.
+    /// The leading measure over members; `None` where something is open in them, here or elsewhere.
     pub spread: Option<Spread>,
     /// The share of worlds that it wins, where these were drawn.
     pub worlds: Option<f64>,
-    /// Each member, in the order of the sequence; empty where something is open, here or elsewhere.
+    /// Each member, in the order of the sequence; empty where something is open in them, here or
+    /// elsewhere.
     pub members: Vec<MemberRow>,
 }
 
@@ -266,7 +267,9 @@ impl Stage<'_> {
         let Self { policy, stakes, members, count, harms: all, .. } = *self;
         let mut judged = Judged::of(policy, stakes, means(&all[1..]))?;
         let candidates = judged.harms.len();
-        let is_done = !self.courses.iter().any(|course| course.is_open);
+        let is_any_open = |courses: &[CourseOutline]| courses.iter().any(|course| course.is_open);
+        let (is_done, are_known) =
+            (!is_any_open(self.courses), !is_any_open(&self.courses[candidates..]));
         let ranking = &mut judged.ranking;
         let order: Vec<usize> = ranking.places.iter().map(|place| place.candidate).collect();
         if !is_done && ranking.state == AnswerState::Complete {
@@ -275,7 +278,7 @@ impl Stage<'_> {
         }
         let own = |k: usize| self.courses.iter().skip(k).step_by(candidates);
         let is_open = |k: usize| own(k).skip(1).any(|course| course.is_open);
-        let (spreads, lead) = if is_done {
+        let (spreads, lead) = if are_known {
             let spreads = expected::spreads(policy, stakes, &all[1..], &order)?;
             let lead = spreads.lead;
             (spreads, lead)
