@@ -7,6 +7,9 @@
 //! [`strategy`](crate::strategy)) between a leader and all its challengers, who are worked on
 //! together, as each of them has to fall.
 //!
+//! With a deadline, the same race says when a part of the first stage is finished. What does not
+//! matter in a part is left for the next one, where it may.
+//!
 //! # Invariants
 //!
 //! - What is chosen follows from the scene and from the harm found so far, so a replay chooses the
