@@ -189,12 +189,6 @@ impl<'r> Rounds<'r> {
         time: &SearchClock,
     ) -> Result<(), RunError> {
         loop {
-            if self.is_part && self.drawn() == 0 && self.is_watched() {
-                let standing = self.standing(&[]);
-                if self.is_settled(&standing)? {
-                    return Ok(());
-                }
-            }
             let round = self.search(chosen, surveyor, time)?;
             let begun_ns = clock::now_ns();
             let round = self.spare(round)?;

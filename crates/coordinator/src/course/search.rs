@@ -61,6 +61,12 @@ impl Rounds<'_> {
         // Where work may end early, after each candidate there may be nothing left to do: that is
         // asked here of the scene as stated, and of members by who chooses.
         let is_watched = self.is_watched() && self.drawn() == 0;
+        // Of a part nothing is given up: what is open of it does not matter once it is settled.
+        let is_settled = is_watched && self.is_part && {
+            let standing = self.standing(&[]);
+            self.is_settled(&standing)?
+        };
+        let chosen = if is_settled { &[] } else { chosen };
         for block in chosen.chunks(if is_watched { 1 } else { chosen.len().max(1) }) {
             let is_open = |k: &usize| self.courses[*k].is_open();
             let open: Vec<usize> = block.iter().copied().filter(is_open).collect();

@@ -320,7 +320,7 @@ impl Stage<'_> {
 
 /// The lead of the first candidate, if it is the same whatever open work finds: then it is certain
 /// who the first two are, and nothing in these is open. `harms` are those of members; `is_open` is
-/// asked by candidate, of members too.
+/// asked by candidate, of members alone.
 pub(super) fn certain_lead(
     policy: &Policy,
     stakes: &[Stake],

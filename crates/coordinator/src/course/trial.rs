@@ -58,8 +58,8 @@ pub struct TrialResult {
     pub certified: u64,
     /// Answers over fewer members, as there was no time for more.
     pub late: u64,
-    /// Those of them in which no more was followed than it takes to know who wins.
-    pub late_certified: u64,
+    /// Those of them with open work.
+    pub late_open: u64,
     /// Intervals checked against the finished run.
     pub intervals: u64,
     /// Intervals of nonzero width.
@@ -82,7 +82,7 @@ impl TrialResult {
         self.over_members += other.over_members;
         self.certified += other.certified;
         self.late += other.late;
-        self.late_certified += other.late_certified;
+        self.late_open += other.late_open;
         self.intervals += other.intervals;
         self.open_intervals += other.open_intervals;
         self.violations.extend(other.violations);
@@ -204,7 +204,7 @@ fn check_state(now: &Answer, end: &Answer, result: &mut TrialResult) {
 fn check_late(now: &Answer, end: &Answer, is_all_done: bool, result: &mut TrialResult) {
     let open = |row: &CourseRow| row.expected.as_ref().is_some_and(|expected| expected.open > 0);
     result.late += 1;
-    result.late_certified += u64::from(now.ranking.iter().any(open));
+    result.late_open += u64::from(now.ranking.iter().any(open));
     let [first, winner] = [now, end].map(|answer| &answer.ranking[0].name);
     let has_figures = |row: &CourseRow| row.open_from_s.is_none() && !open(row);
     if is_all_done && end.ranking.iter().all(has_figures) && first != winner {

@@ -102,7 +102,7 @@ pub fn bounds(options: &BoundsOptions, told: SyncProgress<'_>) -> Result<BoundsR
         intervals: all.intervals,
         open_intervals: all.open_intervals,
         certified: all.certified,
-        late: [all.late, all.late_certified],
+        late: [all.late, all.late_open],
         violations: all.violations.len(),
         is_flawed: options.flaw.is_some(),
         first,
