@@ -6,9 +6,24 @@ use std::path::Path as FsPath;
 
 /// Everything in the default folder whose name holds this.
 fn left(instance: &str) -> Vec<String> {
-    let entries = fs::read_dir(default_folder()).into_iter().flatten().flatten();
-    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    names.filter(|name| name.contains(instance)).collect()
+    let names = names_in(&default_folder());
+    names.into_iter().filter(|name| name.contains(instance)).collect()
+}
+
+fn names_in(folder: &FsPath) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// A folder for one test, and the place that its domains share: what lies dead in the default one
+/// is removed by whatever else runs, even while a test still puts it there.
+fn own_folder() -> (tempfile::TempDir, PathBuf) {
+    let above = tempfile::tempdir().unwrap();
+    let folder = above.path().join("trolley");
+    (above, folder)
 }
 
 #[test]
@@ -66,69 +81,55 @@ fn a_name_is_taken_once() {
 
 #[test]
 fn a_sweep_spares_the_living() {
-    let domain = Domain::create(None, "t-living", Boot(6)).unwrap();
-    let before = left("t-living");
-    let _other_runs = sweep_leftovers(&default_folder());
-    assert_eq!(left("t-living"), before);
+    let (_above, folder) = own_folder();
+    let domain = Domain::create(Some(&folder), "t-living", Boot(6)).unwrap();
+    let before = names_in(&folder);
+    assert_eq!((before.len(), sweep_leftovers(&folder)), (1, 0));
+    assert_eq!(names_in(&folder), before);
     assert!(Domain::open(domain.text()).is_ok());
 }
 
 /// What a run leaves that was killed at any point: the files without the locks.
 #[test]
 fn a_sweep_removes_what_the_dead_left() {
-    let base = default_folder();
-    // Keeps the folder.
-    let _living = Domain::create(None, "t-dead", Boot(11)).unwrap();
-    let root = base.join("trolley.t-dead.0000000000000007");
+    let (_above, folder) = own_folder();
+    let _living = Domain::create(Some(&folder), "t-dead", Boot(11)).unwrap();
+    let root = folder.join("trolley.t-dead.0000000000000007");
     fs::create_dir_all(root.join("0.0/nodes/1")).unwrap();
     fs::write(root.join("guests"), "").unwrap();
     fs::write(root.join("0.0/pool.data"), "x").unwrap();
     // A removal that was interrupted: no guests' file any more.
-    fs::create_dir(base.join("trolley.t-dead.0000000000000008")).unwrap();
+    fs::create_dir(folder.join("trolley.t-dead.0000000000000008")).unwrap();
     // A root that was never finished, by a process that is gone.
-    fs::create_dir(base.join(".trolley-new.4194305.t-dead")).unwrap();
+    fs::create_dir(folder.join(".trolley-new.4194305.t-dead")).unwrap();
     // Under the name of a root, but no folder.
-    let pipe = base.join("trolley.t-dead.0000000000000009");
+    let pipe = folder.join("trolley.t-dead.0000000000000009");
     rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, rustix::fs::Mode::RUSR).unwrap();
     // Not ours, or not in our form.
-    let foreign = base.join("trolley.t-dead.not-a-boot");
-    fs::write(&foreign, "x").unwrap();
+    fs::write(folder.join("trolley.t-dead.not-a-boot"), "x").unwrap();
 
-    for _ in 0..50 {
-        // Another test may be sweeping, too, and hold a lock for a moment.
-        let _runs = sweep_leftovers(&base);
-        if left("t-dead").len() == 3 {
-            break;
-        }
-    }
-    let mut stay = left("t-dead");
-    stay.sort_unstable();
-    fs::remove_file(pipe).unwrap();
-    fs::remove_file(foreign).unwrap();
+    let _runs = sweep_leftovers(&folder);
     let expected = [
         "trolley.t-dead.0000000000000009",
         "trolley.t-dead.000000000000000b",
         "trolley.t-dead.not-a-boot",
     ];
-    assert_eq!(stay, expected);
+    assert_eq!(names_in(&folder), expected);
+    assert_eq!(sweep_leftovers(&folder), 0);
 }
 
 #[test]
 fn what_a_guest_still_holds_stays() {
-    let domain = Domain::create(None, "t-guest", Boot(10)).unwrap();
+    let (_above, folder) = own_folder();
+    let domain = Domain::create(Some(&folder), "t-guest", Boot(10)).unwrap();
     let text = domain.text().to_owned();
     let guest = Domain::open(&text).unwrap();
     // The owner goes first, as when it is killed; its worker lives a moment longer.
     drop(domain);
     assert!(FsPath::new(&text).exists());
-    let _other_runs = sweep_leftovers(&default_folder());
+    assert_eq!(sweep_leftovers(&folder), 0);
     assert!(FsPath::new(&text).exists());
     drop(guest);
-    for _ in 0..50 {
-        let _runs = sweep_leftovers(&default_folder());
-        if !FsPath::new(&text).exists() {
-            break;
-        }
-    }
-    assert_eq!(left("t-guest"), [""; 0]);
+    assert_eq!(sweep_leftovers(&folder), 1);
+    assert_eq!(names_in(&folder), [""; 0]);
 }
