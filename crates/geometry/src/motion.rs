@@ -55,12 +55,14 @@ mod separation;
 #[cfg(test)]
 mod tests;
 mod touch;
+mod window;
 
 pub use interval::{Moved, MovingBodies, TimeInterval};
 pub use path::{
     MotionPath, Orientation, POSITION_MAX, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, STATE_WORDS,
     State, TIME_MAX,
 };
+pub use window::{Window, Windows};
 
 use crate::{DVec3, Pose, RelativePose};
 

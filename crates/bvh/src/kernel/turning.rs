@@ -11,7 +11,8 @@
 //! Time and space are divided together: nodes are opened until they are about as large as what they
 //! move in the interval; then the interval is halved, and its halves begin with the pairs that it
 //! left. So what was excluded once is not visited again. The halves are those of
-//! [`geometry::motion::TimeInterval`].
+//! [`geometry::motion::TimeInterval`]. Where motion is nearly straight, a time before which nothing
+//! touches is found at once, and halves that end before it are left out (`clearance.rs`).
 //!
 //! # What is decided
 //!
@@ -33,6 +34,7 @@ use geometry::Corners;
 use geometry::motion::{MovingBodies, PathPiece, RelativeMotion, TimeInterval};
 use std::ops::ControlFlow;
 
+mod clearance;
 mod triangles;
 
 /// Maximum number of pairs of nodes that are kept for later intervals.
@@ -115,6 +117,8 @@ pub struct TurningKernel {
     frames: Vec<Frame>,
     /// Pairs to be tested in the interval at hand.
     open: Vec<NodePair>,
+    /// Pairs that come near each other, and when: shares of an interval. What is next comes last.
+    nearing: Vec<(f64, NodePair)>,
     /// Pairs of triangles, by their numbers in leaf order, that are open in a short interval.
     touching: Vec<[u32; 2]>,
 }
@@ -126,6 +130,9 @@ struct Frame {
     /// The pairs it begins with: positions in [`TurningKernel::pairs`]. What comes after them is of
     /// earlier intervals.
     begin: [usize; 2],
+    /// How long the shortest interval around it is of which it was sought until when it is clear
+    /// (s).
+    sought_s: f64,
 }
 
 impl TurningKernel {
@@ -156,6 +163,7 @@ impl TurningKernel {
             watched: 0,
             counters: Counters::default(),
             intervals: 0,
+            clear_s: f64::NEG_INFINITY,
             possible: None,
         };
         let first = if task.a.nodes.is_empty() || task.b.nodes.is_empty() {
@@ -208,6 +216,8 @@ struct Search<'s, 'a> {
     watched: u64,
     counters: Counters,
     intervals: u64,
+    /// Nothing touches before (s), or what does is [`Search::possible`].
+    clear_s: f64,
     possible: Option<Possible>,
 }
 
@@ -228,20 +238,33 @@ impl<'a> Search<'_, 'a> {
         self.kernel.pairs.push(NodePair::ROOTS);
         self.kernel.frames.clear();
         let interval = TimeInterval::of(&self.task.motion, &self.bodies, piece);
-        self.kernel.frames.push(Frame { interval, begin: [0, 1] });
-        while let Some(frame) = self.kernel.frames.pop() {
+        self.kernel.frames.push(Frame { interval, begin: [0, 1], sought_s: f64::INFINITY });
+        while let Some(mut frame) = self.kernel.frames.pop() {
             let interval = &frame.interval;
+            if interval.to_s <= self.clear_s {
+                continue;
+            }
             self.check_time(interval)?;
             self.kernel.pairs.truncate(frame.begin[1]);
             if interval.is_short(self.task.resolution_m) || interval.middle_s().is_none() {
                 self.decide(&frame)?;
                 continue;
             }
-            let begin = self.refine(&frame)?;
-            if begin[0] < begin[1]
+            // Part of it is clear: the other part is looked at once it is alone.
+            if interval.from_s >= self.clear_s {
+                frame.begin = self.refine(&frame)?;
+                if frame.begin[0] < frame.begin[1] && frame.may_be_clear(self.task.resolution_m) {
+                    match self.clear_until_s(interval, frame.begin)? {
+                        None => continue,
+                        Some(time_s) => self.clear_s = time_s,
+                    }
+                    frame.sought_s = interval.lasts_s();
+                }
+            }
+            if frame.begin[0] < frame.begin[1]
                 && let Some(halves) = interval.halves(&self.task.motion, &self.bodies, piece)
             {
-                let [first, second] = halves.map(|interval| Frame { interval, begin });
+                let [first, second] = halves.map(|interval| Frame { interval, ..frame });
                 self.kernel.frames.extend([second, first]);
             }
         }
@@ -275,7 +298,7 @@ impl<'a> Search<'_, 'a> {
     }
 
     /// Appends the pairs that an interval leaves to those kept, and returns where they are.
-    fn refine(&mut self, Frame { interval, begin }: &Frame) -> ControlFlow<First, [usize; 2]> {
+    fn refine(&mut self, Frame { interval, begin, .. }: &Frame) -> ControlFlow<First, [usize; 2]> {
         self.kernel.open.clear();
         let from = self.kernel.pairs.len();
         if interval.is_far() {
@@ -293,7 +316,7 @@ impl<'a> Search<'_, 'a> {
                 let (small_a, small_b) = (is_small(a), is_small(b));
                 let side = side_to_open(a, a.is_leaf() || small_a, b, b.is_leaf() || small_b);
                 if let Some(side) = side {
-                    self.open(pair, side, (a, b));
+                    self.open(pair, side);
                     continue;
                 }
                 let are_leaves = a.is_leaf() && b.is_leaf() && size(a).max(size(b)) >= least_leaf;
@@ -315,17 +338,27 @@ impl<'a> Search<'_, 'a> {
 
     /// The nodes of a pair, if their boxes may overlap in the interval.
     fn meeting(&mut self, interval: &TimeInterval, pair: NodePair) -> Option<(&'a Node, &'a Node)> {
-        let TurningTask { a, b, .. } = *self.task;
-        let (a, b) = (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize]);
+        let (a, b) = self.nodes(pair);
         self.counters.nb += 1;
         interval.may_meet(&a.bounds, &b.bounds).then_some((a, b))
     }
 
-    fn open(&mut self, pair: NodePair, side: Side, (a, b): (&Node, &Node)) {
-        let children = match side {
+    fn nodes(&self, pair: NodePair) -> (&'a Node, &'a Node) {
+        let TurningTask { a, b, .. } = *self.task;
+        (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize])
+    }
+
+    /// The pairs that one node of a pair, no leaf, opens to.
+    fn children(&self, pair: NodePair, side: Side) -> [NodePair; 2] {
+        let (a, b) = self.nodes(pair);
+        match side {
             Side::A => [NodePair { a: a.link, ..pair }, NodePair { a: pair.a + 1, ..pair }],
             Side::B => [NodePair { b: b.link, ..pair }, NodePair { b: pair.b + 1, ..pair }],
-        };
+        }
+    }
+
+    fn open(&mut self, pair: NodePair, side: Side) {
+        let children = self.children(pair, side);
         self.kernel.open.extend_from_slice(&children);
     }
 }

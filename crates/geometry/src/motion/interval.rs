@@ -178,6 +178,12 @@ impl TimeInterval {
         }
     }
 
+    /// How long it is (s).
+    #[must_use]
+    pub fn lasts_s(&self) -> f64 {
+        self.to_s - self.from_s
+    }
+
     /// How far any point of B may move meanwhile, as seen from A (m).
     #[must_use]
     pub fn travel_m(&self) -> f64 {
@@ -250,9 +256,9 @@ impl TimeInterval {
 /// tests of boxes than of triangles, and what they leave is tested again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Movers {
-    ends: [Mover; 2],
+    pub(super) ends: [Mover; 2],
     /// By how much the hull of what a box passes is enlarged (m), rounding included.
-    margin_m: Vec3A,
+    pub(super) margin_m: Vec3A,
 }
 
 impl Movers {
@@ -297,7 +303,7 @@ impl Movers {
 
 /// A pose as columns, which suit boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Mover {
+pub(super) struct Mover {
     columns: [Vec3A; 3],
     shift: Vec3A,
 }
@@ -313,11 +319,18 @@ impl Mover {
     /// The box around a box given by its middle and half its extents, up to rounding.
     #[inline]
     fn moved(&self, middle: Vec3A, half: Vec3A) -> [Vec3A; 2] {
+        let (middle, reach) = self.placed(middle, half);
+        [middle - reach, middle + reach]
+    }
+
+    /// The same by its middle and half its extents.
+    #[inline]
+    pub(super) fn placed(&self, middle: Vec3A, half: Vec3A) -> (Vec3A, Vec3A) {
         let [p, q, r] = self.columns;
         // Written out, nothing is fused: on every machine the same boxes are opened.
         let middle = (p * middle.x + q * middle.y) + (r * middle.z + self.shift);
         let reach = (p.abs() * half.x + q.abs() * half.y) + r.abs() * half.z;
-        [middle - reach, middle + reach]
+        (middle, reach)
     }
 }
 

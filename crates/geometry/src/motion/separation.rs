@@ -76,31 +76,38 @@ impl TimeInterval {
 }
 
 /// A triangle that stands and one that moves, in one frame.
-struct Pair<'p> {
-    still: [DVec3; 3],
-    moved: &'p [[DVec3; 3]; 2],
+pub(super) struct Pair<'p> {
+    pub(super) still: [DVec3; 3],
+    pub(super) moved: &'p [[DVec3; 3]; 2],
     /// What the moved one may be off its chords by (m).
-    margin_m: f64,
+    pub(super) margin_m: f64,
 }
 
 impl Pair<'_> {
     /// Whether a plane across `axis`, of any length, separates them all the time.
     #[inline]
     fn is_split(&self, axis: DVec3) -> bool {
-        let along = |points: &[DVec3; 3]| points.map(|p| axis.dot(p));
-        let range = |[p, q, r]: [f64; 3]| [p.min(q).min(r), p.max(q).max(r)];
-        let [least, most] = range(along(&self.still));
-        let [begin, end] = [0, 1].map(|k| range(along(&self.moved[k])));
+        let ([least, most], [begin, end]) = self.ranges(axis);
         let gap = (begin[0].min(end[0]) - most).max(least - begin[1].max(end[1]));
         gap > 0.0 && gap * gap > self.margin_m * self.margin_m * axis.dot(axis)
     }
+
+    /// The least and greatest coordinates along an axis: of the one that stands, and of the other
+    /// at the begin and at the end.
+    #[inline]
+    pub(super) fn ranges(&self, axis: DVec3) -> ([f64; 2], [[f64; 2]; 2]) {
+        let along = |points: &[DVec3; 3]| points.map(|p| axis.dot(p));
+        let range = |[p, q, r]: [f64; 3]| [p.min(q).min(r), p.max(q).max(r)];
+        let moved = [0, 1].map(|k| range(along(&self.moved[k])));
+        (range(along(&self.still)), moved)
+    }
 }
 
-fn edges([p, q, r]: &[DVec3; 3]) -> [DVec3; 3] {
+pub(super) fn edges([p, q, r]: &[DVec3; 3]) -> [DVec3; 3] {
     [*q - *p, *r - *q, *p - *r]
 }
 
-fn normal([p, q, r]: &[DVec3; 3]) -> DVec3 {
+pub(super) fn normal([p, q, r]: &[DVec3; 3]) -> DVec3 {
     (*q - *p).cross(*r - *p)
 }
 

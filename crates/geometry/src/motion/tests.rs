@@ -213,6 +213,40 @@ proptest! {
         }
     }
 
+    /// Whenever triangles touch, or corners are near each other, that is in their window and in that
+    /// of their boxes.
+    #[test]
+    fn windows_leave_out_nothing_that_is_near(
+        (a, b) in (path(), path()),
+        (of_a, of_b) in (corners(), corners()),
+        piece in 0..3_usize,
+        ways in prop::collection::vec(any::<bool>(), 0..9),
+        (near_m, before) in (prop_oneof![Just(0.0), 1e-5..2.0_f64], 0.1..1.5_f64),
+    ) {
+        let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
+        let interval = some_interval(&motion, &bodies, piece, &ways);
+        let windows = interval.windows(near_m);
+        let moved = interval.moved_b(&of_b);
+        let of_boxes = windows.of_boxes(&Aabb::of(&of_a), &Aabb::of(&of_b));
+        let of_triangles = windows.of_triangles(&interval, (&of_a, &of_b), &moved, before);
+        let stored = Triangle::stored(&of_a);
+        let holds = |window: Option<Window>, share: f64| {
+            window.is_some_and(|window| window.from <= share && share <= window.to)
+        };
+        for step in 0..=50 {
+            let share = f64::from(step) / 50.0;
+            let time_s = interval.time_s(share);
+            let placed = motion.pose_at(time_s).triangle(&of_b);
+            let gaps = stored.0.iter().flat_map(|p| placed.0.iter().map(|q| (*q - *p).length()));
+            let is_near = gaps.fold(f64::INFINITY, f64::min) <= near_m;
+            if is_near || triangle::intersect(&stored, &placed) {
+                prop_assert!(holds(of_boxes, share), "{:?} without {}", of_boxes, share);
+                let is_held = share > before || holds(of_triangles, share);
+                prop_assert!(is_held, "{:?} without {}", of_triangles, share);
+            }
+        }
+    }
+
     /// What is clearly apart in an interval is apart in its parts.
     #[test]
     fn what_is_clearly_apart_stays_apart(
@@ -255,6 +289,8 @@ fn boxes_beyond_single_precision_are_never_called_apart() {
             let bodies = MovingBodies::new(&motion, [&box_, &box_]);
             let interval = TimeInterval::of(&motion, &bodies, &piece);
             assert!(interval.may_meet(&box_, &box_), "{box_:?}");
+            let window = interval.windows(1e-3).of_boxes(&box_, &box_);
+            assert_eq!(window, Some(Window::ALL), "{box_:?}");
         }
     }
 }
@@ -336,6 +372,46 @@ fn most_that_are_apart_are_called_so() {
         called += u32::from(interval.are_apart(&a, &b, &interval.moved_b(&b)));
     }
     assert!(called <= apart && called * 100 > apart * 97, "{called} of {apart}");
+}
+
+/// Triangles that move straight come near when they touch, to a micrometre.
+#[test]
+fn windows_begin_where_triangles_touch() {
+    let mut random = crate::rng::Rng::new(11);
+    let mut unit = || random.between(-0.5, 0.5) as f32;
+    let state = |time_s, x| State {
+        time_s,
+        position_m: [x, 0.1, 0.0],
+        orientation: Orientation::from_degrees(30.0, 0.0, 0.0),
+    };
+    let still = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 1.0]).unwrap();
+    let moving = MotionPath::new(&[state(0.0, -4.0), state(1.0, 4.0)]).unwrap();
+    let motion = RelativeMotion::new(&still, &moving).unwrap();
+    let box_ = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+    let bodies = MovingBodies::new(&motion, [&box_, &box_]);
+    let piece = motion.pieces().next().unwrap();
+    let interval = TimeInterval::of(&motion, &bodies, &piece);
+    let windows = interval.windows(1e-9);
+    let sweep = crate::Sweep::new(DVec3::X, 0.0, 8.0).unwrap();
+    let (mut met, mut missed) = (0, 0);
+    for _ in 0..4_000 {
+        let [a, b]: [Corners; 2] = [0; 2].map(|_| [0; 3].map(|_| [0; 3].map(|_| unit())));
+        let moved = interval.moved_b(&b);
+        let window = windows.of_triangles(&interval, (&a, &b), &moved, f64::INFINITY);
+        let begin = motion.pose_at(0.0).triangle(&b);
+        match crate::sweep::first_contact(&Triangle::stored(&a), &begin, &sweep) {
+            Some(touch) => {
+                let off_m = window.unwrap().from * 8.0 - touch.travel_m;
+                assert!((-1e-6..=0.0).contains(&off_m), "{off_m}");
+                met += 1;
+            }
+            None => {
+                assert_eq!(window, None);
+                missed += 1;
+            }
+        }
+    }
+    assert!(met > 400 && missed > 400, "{met} {missed}");
 }
 
 /// States that are no path are refused, and say why.

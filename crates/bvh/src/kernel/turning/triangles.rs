@@ -39,7 +39,7 @@ impl Verdict {
 
 impl Search<'_, '_> {
     /// Decides a short interval.
-    pub(super) fn decide(&mut self, Frame { interval, begin }: &Frame) -> ControlFlow<First> {
+    pub(super) fn decide(&mut self, Frame { interval, begin, .. }: &Frame) -> ControlFlow<First> {
         self.kernel.open.clear();
         self.kernel.touching.clear();
         let mut verdict = Verdict::default();
@@ -49,7 +49,7 @@ impl Search<'_, '_> {
                 self.check_budget(interval)?;
                 let Some((a, b)) = self.meeting(interval, pair) else { continue };
                 match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
-                    Some(side) => self.open(pair, side, (a, b)),
+                    Some(side) => self.open(pair, side),
                     None => self.judge(interval, (a, b), &mut verdict),
                 }
             }

@@ -217,6 +217,54 @@ proptest! {
         prop_assert_eq!(first, brute_force(&a, &b, &motion, 1e-3));
     }
 
+    /// The same on ways that are long and nearly straight, where it is sought until when they are
+    /// clear.
+    #[test]
+    fn finds_what_brute_force_finds_on_long_ways(
+        (ends, beside) in (prop::array::uniform2(-1.0..1.0_f64), -1.5..1.5_f64),
+        (turn, of_a) in (prop_oneof![Just(0.0), -3.0..3.0_f64], 0.0..360.0_f64),
+        far in 1.0..12.0_f64,
+        counts in [1_usize..12, 1_usize..12],
+        seeds in [any::<u16>(), any::<u16>()],
+        build in any_build(),
+    ) {
+        let tree_of = |k: usize| tree(&soup(counts[k], 0.5, u64::from(seeds[k])), build, 2);
+        let (a, b) = (tree_of(0), tree_of(1));
+        let lasts_s = far / 6.0;
+        let orientation = Orientation::from_degrees(of_a, 0.0, 0.0);
+        let a_path = MotionPath::still([0.0; 3], orientation, [0.0, lasts_s]).unwrap();
+        let b_path = MotionPath::new(&[
+            state(0.0, [-far, beside + ends[0], 0.2], [0.0; 3]),
+            state(lasts_s, [far, beside + ends[1], -0.2], [turn, 0.0, 0.0]),
+        ]).unwrap();
+        let motion = RelativeMotion::new(&a_path, &b_path).unwrap();
+        let first = checked(&a, &b, &motion, 2e-3);
+        prop_assert_eq!(first, brute_force(&a, &b, &motion, 1e-3));
+    }
+
+    /// Rods that cross while one passes over the other, by less than the resolution or little more:
+    /// what counts as near leaves out nothing that is possible.
+    #[test]
+    fn finds_rods_that_pass_as_brute_force_does(
+        gap_m in -2e-4..2.5e-3_f64,
+        (yaw, pitch) in (-80.0..80.0_f64, -20.0..20.0_f64),
+        turn in prop_oneof![Just(0.0), -0.5..0.5_f64],
+        speed in 1.0..20.0_f64,
+        build in any_build(),
+    ) {
+        let rod = tree(&cuboid([-1.0, -0.01, -0.01], [1.0, 0.01, 0.01]), build, 4);
+        let lasts_s = 2.0 / speed;
+        let a_path = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, lasts_s]).unwrap();
+        let up = 0.01 * (1.0 + 1.0 / pitch.to_radians().cos()) + gap_m;
+        let b_path = MotionPath::new(&[
+            state(0.0, [0.1, -1.0, up], [yaw, pitch, 0.0]),
+            state(lasts_s, [0.1, 1.0, up], [yaw + turn, pitch, 0.0]),
+        ]).unwrap();
+        let motion = RelativeMotion::new(&a_path, &b_path).unwrap();
+        let first = checked(&rod, &rod, &motion, lasts_s / 500.0);
+        prop_assert_eq!(first, brute_force(&rod, &rod, &motion, 1e-3));
+    }
+
     /// Cars whose mirrors pass each other: thin plates that overlap, or are close to it.
     #[test]
     fn finds_mirrors_that_pass(
@@ -320,6 +368,29 @@ fn turns_in_place() {
             assert!((time_s * rate - angle).abs() < 2e-6, "{} {angle}", time_s * rate);
             assert!((time_s - excluded_before_s) * rate * radius <= 1e-3);
         }
+    }
+}
+
+/// What slides along a long wall close by takes as few intervals as what is farther away.
+#[test]
+fn passing_closely_takes_few_intervals() {
+    let wall = tree(&cuboid([-20.0, 0.0, 0.0], [20.0, 0.2, 1.0]), Build::Sah, 1);
+    let car = tree(&car(0.02), Build::Sah, 1);
+    let a = MotionPath::still([0.0; 3], Orientation::IDENTITY, [0.0, 4.0]).unwrap();
+    let mut workspace = MotionWorkspace::new();
+    for (gap_m, most) in [(2e-3, 60), (1e-2, 60), (0.1, 60)] {
+        let y = -1.1 - gap_m;
+        let b = MotionPath::new(&[
+            state(0.0, [-30.0, y, 0.0], [0.0; 3]),
+            state(4.0, [30.0, y, 0.0], [0.0; 3]),
+        ])
+        .unwrap();
+        let motion = RelativeMotion::new(&a, &b).unwrap();
+        let limits = MotionLimits::default();
+        let first = first_contact_in_motion(&wall, &car, &motion, &limits, &mut workspace);
+        assert_eq!(first, Ok(MotionContact::Excluded));
+        let MotionEffort { intervals, .. } = workspace.effort();
+        assert!(intervals <= most, "{intervals} at {gap_m}");
     }
 }
 
