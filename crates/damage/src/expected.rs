@@ -11,7 +11,7 @@ use crate::assess::Risk;
 use crate::course::CourseHarm;
 use crate::interval::{Interval, Range};
 use crate::policy::Policy;
-use crate::rank::{Place, RankError, RankedCandidates, Scratch, leading_in, rank_in};
+use crate::rank::{RankError, Scratch, leading_in, winners_in};
 use crate::rule::{Others, Stake};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -185,20 +185,17 @@ pub fn spreads(
     let mut leading = vec![Vec::with_capacity(count); candidates];
     let mut best = vec![0.0; candidates];
     let mut regret = vec![0.0; candidates];
-    let (mut scratch, mut ranking) = (Scratch::default(), RankedCandidates::default());
+    let (mut scratch, mut measures) = (Scratch::default(), Vec::new());
     for harms in harms {
-        rank_in(&mut scratch, policy, stakes, harms, &mut ranking)?;
-        let first = &ranking.places[0];
-        let equal = |place: &&Place| place.steps == first.steps;
-        let ties = ranking.places.iter().take_while(equal).count();
-        for place in &ranking.places[..ties] {
-            best[place.candidate] += 1.0 / ties as f64;
+        let winners = winners_in(&mut scratch, policy, stakes, harms)?;
+        for winner in &winners {
+            best[*winner] += 1.0 / winners.len() as f64;
         }
-        let least =
-            ranking.places.iter().map(|place| place.work.hi()).fold(f64::INFINITY, f64::min);
-        for place in &ranking.places {
-            leading[place.candidate].push(place.work.hi());
-            regret[place.candidate] += place.work.hi() - least;
+        leading_in(&mut scratch, policy, stakes, harms, &mut measures)?;
+        let least = measures.iter().map(|of| of.hi()).fold(f64::INFINITY, f64::min);
+        for (k, measure) in measures.iter().enumerate() {
+            leading[k].push(measure.hi());
+            regret[k] += measure.hi() - least;
         }
     }
     let count = count as f64;

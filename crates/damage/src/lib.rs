@@ -139,6 +139,7 @@ pub use policy::Policy;
 pub use rank::stability::{Knob, Margin, Reserve, Stability, stability};
 pub use rank::standing::{Standing, needs_high, standing, standing_in};
 pub use rank::{
-    AnswerState, Assessed, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank, rank_in,
+    AnswerState, Assessed, Ground, Note, Place, RankError, RankedCandidates, Scratch, rank,
+    rank_in, winners_in,
 };
 pub use rule::{Others, Rule, Stake};

@@ -188,6 +188,25 @@ pub fn rank_in<H: Assessed>(
     Ok(())
 }
 
+/// The first of the candidates, as [`rank_in`] has it, and those directly after it that are equal by
+/// all steps.
+///
+/// # Errors
+///
+/// As [`rank()`].
+pub fn winners_in<H: Assessed>(
+    scratch: &mut Scratch,
+    policy: &Policy,
+    stakes: &[Stake],
+    candidates: &[H],
+) -> Result<SmallVec<[usize; 4]>, RankError> {
+    let Scratch { figures, steps, .. } = scratch;
+    write_figures(stakes, candidates, figures)?;
+    policy.write_steps(stakes.len(), steps);
+    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
+    Ok(order.winners())
+}
+
 /// The leading measure of each candidate over open work, as [`Place::work`] has it; the contents of
 /// `leading` are replaced.
 ///
@@ -292,6 +311,31 @@ impl RankOrder<'_> {
         self.note(&mut ranking.notes);
     }
 
+    /// The first, and those directly after it that are equal by all steps.
+    fn winners(&self) -> SmallVec<[usize; 4]> {
+        let mut left: Each<usize> = (0..self.figures.len()).collect();
+        let mut winners: SmallVec<[usize; 4]> = SmallVec::new();
+        while !left.is_empty() {
+            let next = self.round(&left).winner;
+            let is_equal =
+                |first: &usize| self.steps.iter().all(|s| self.at(s, *first) == self.at(s, next));
+            if !winners.first().is_none_or(is_equal) {
+                break;
+            }
+            winners.push(next);
+            left.retain(|k| *k != next);
+        }
+        winners
+    }
+
+    /// A step's measure of a candidate over its work intervals.
+    fn at(&self, step: &Step, k: usize) -> Interval {
+        match step {
+            Step::Least { measure, .. } => self.over(measure, k),
+            Step::Accept { .. } => self.figures[k].greatest_high_over(),
+        }
+    }
+
     /// Takes all steps among the candidates left, on their upper work ends.
     fn round(&self, left: &[usize]) -> Round {
         let mut kept: Each<usize> = left.into();
@@ -388,12 +432,8 @@ impl RankOrder<'_> {
     fn place(&self, round: &Round, next: Option<usize>, mut steps: Vec<Interval>) -> Place {
         let k = round.winner;
         let (work, range, tolerance) = self.leading(k);
-        let over = |step: &Step| match step {
-            Step::Least { measure, .. } => self.over(measure, k),
-            Step::Accept { .. } => self.figures[k].greatest_high_over(),
-        };
         steps.clear();
-        steps.extend(self.steps.iter().map(over));
+        steps.extend(self.steps.iter().map(|step| self.at(step, k)));
         Place {
             candidate: k,
             work,

@@ -217,6 +217,19 @@ fn are_apart([a, b]: [BodyView<'_>; 2], pose: &RelativePose) -> bool {
     })
 }
 
+/// The number of a triangle in leaf order, by its source id; 0 if there is none.
+fn number_of(body: &BodyView<'_>, id: u32) -> u32 {
+    /// Ids that are compared without a look at which it is: many at once.
+    const TOGETHER: usize = 64;
+    let mut parts = body.source_ids.chunks(TOGETHER).enumerate();
+    let number = parts.find_map(|(part, ids)| {
+        let is_there = ids.iter().fold(false, |found, known| found | (*known == id));
+        let at = is_there.then(|| ids.iter().position(|known| *known == id)).flatten()?;
+        Some(part * TOGETHER + at)
+    });
+    number.unwrap_or(0) as u32
+}
+
 /// The distance of the farthest corner of a body's box from its origin (m).
 fn radius_m(body: &BodyView<'_>) -> f64 {
     let bounds = body.bounds();
@@ -331,10 +344,7 @@ impl Encounters {
             return touching;
         }
         let [a, b] = ways.bodies;
-        let number = |body: &BodyView<'_>, id: u32| {
-            body.source_ids.iter().position(|known| *known == id).unwrap_or(0) as u32
-        };
-        let triangles = [number(&a, ids[0]), number(&b, ids[1])];
+        let triangles = [number_of(&a, ids[0]), number_of(&b, ids[1])];
         let pose = ways.pose_at(time_s);
         let point = touching_point(ways, &pose, triangles);
         Touching { time_s, excluded_before_s, is_certain, ids, triangles, point }

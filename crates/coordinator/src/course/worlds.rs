@@ -9,7 +9,7 @@ use crate::idle_cores::IdleCores;
 use crate::request::RequestError;
 use damage::expected::Mean;
 use damage::world::{Doubt, World, WorldDraw};
-use damage::{CourseHarm, Criteria, Interval, RankedCandidates, Risk, Scratch, rank_in};
+use damage::{CourseHarm, Criteria, Interval, RankedCandidates, Risk, Scratch, winners_in};
 use schemars::JsonSchema;
 use serde::Serialize;
 use smallvec::SmallVec;
@@ -66,13 +66,6 @@ struct Worlds<'w> {
     cores: &'w IdleCores,
 }
 
-/// Buffers of one thread.
-#[derive(Default)]
-struct Buffers {
-    scratch: Scratch,
-    ranking: RankedCandidates,
-}
-
 /// Worlds that are drawn before they are ranked.
 const WORLDS_AT_ONCE: usize = 256;
 
@@ -108,7 +101,7 @@ pub(super) fn found(
         cores,
     };
     let mut goes_on = || !is_due.is_some_and(|is_due| is_due());
-    let mut buffers = Buffers::default();
+    let mut scratch = Scratch::default();
     let coordinate = |number: u32, dimension: u32| asked.coordinate(number, dimension);
     let draw = |number: u32| WorldDraw {
         restitution: coordinate(number, 0),
@@ -120,7 +113,7 @@ pub(super) fn found(
     let mut won = vec![0.0; candidates];
     for some in numbers.chunks(WORLDS_AT_ONCE) {
         let drawn: Vec<World> = some.iter().map(|number| worlds.world(draw(*number))).collect();
-        let Some(winners) = worlds.winners(&mut buffers, &drawn, &mut goes_on) else {
+        let Some(winners) = worlds.winners(&mut scratch, &drawn, &mut goes_on) else {
             return Ok(None);
         };
         for winners in winners {
@@ -145,7 +138,7 @@ pub(super) fn found(
                 known.len() - 1
             }));
         }
-        let Some(winners) = worlds.winners(&mut buffers, &known, &mut goes_on) else {
+        let Some(winners) = worlds.winners(&mut scratch, &known, &mut goes_on) else {
             return Ok(None);
         };
         let share = |winners: Result<Winners, RequestError>| {
@@ -173,21 +166,19 @@ impl Worlds<'_> {
     /// Who wins in each of these worlds; `None`: there is no time.
     fn winners(
         &self,
-        buffers: &mut Buffers,
+        scratch: &mut Scratch,
         worlds: &[World],
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Vec<Result<Winners, RequestError>>> {
-        let winner = |buffers: &mut Buffers, number: usize| self.winner(buffers, &worlds[number]);
-        self.cores.map_while(buffers, worlds.len(), goes_on, winner)
+        let winner = |scratch: &mut Scratch, number: usize| self.winner(scratch, &worlds[number]);
+        self.cores.map_while(scratch, worlds.len(), goes_on, winner)
     }
 
-    fn winner(&self, buffers: &mut Buffers, world: &World) -> Result<Winners, RequestError> {
+    fn winner(&self, scratch: &mut Scratch, world: &World) -> Result<Winners, RequestError> {
         let harms = self.harms(world)?;
-        let Buffers { scratch, ranking } = buffers;
-        rank_in(scratch, &self.criteria.policy, &self.stakes, &harms, ranking)?;
-        let places = &ranking.places;
-        let ties = places.iter().take_while(|place| place.steps == places[0].steps).count();
-        Ok(places[..ties].iter().map(|place| (place.candidate, 1.0 / ties as f64)).collect())
+        let winners = winners_in(scratch, &self.criteria.policy, &self.stakes, &harms)?;
+        let share = 1.0 / winners.len() as f64;
+        Ok(winners.into_iter().map(|winner| (winner, share)).collect())
     }
 
     /// The expected harm of every candidate in a world.

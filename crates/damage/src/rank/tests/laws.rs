@@ -71,6 +71,22 @@ proptest! {
         prop_assert_eq!(all, (1..=risks.len()).collect::<Vec<_>>());
     }
 
+    /// Who is first, and who is equal to that one directly after it, is as in the whole order.
+    #[test]
+    fn winners_are_those_of_the_whole_order(policy in policies(), risks in risks()) {
+        let candidates: Vec<_> = risks.iter().map(|person| {
+            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
+            candidate(&works, Interval::ZERO)
+        }).collect();
+        let policy = &*among(&policy, candidates.len());
+        let stakes = stakes(risks[0].len());
+        let answer = rank(policy, &stakes, &candidates).expect("sound candidates");
+        let equal = answer.places.iter().take_while(|place| place.steps == answer.places[0].steps);
+        let expected: Vec<usize> = equal.map(|place| place.candidate).collect();
+        let winners = winners_in(&mut Scratch::default(), policy, &stakes, &candidates);
+        prop_assert_eq!(winners.expect("sound candidates").to_vec(), expected);
+    }
+
     /// While work is open, from bounds alone: who can still win, how much is settled, and who would
     /// be first are as in an answer given now; what is compared is the first step of the policy
     /// that is not the same for all possible winners whatever comes.
