@@ -316,20 +316,17 @@ impl Facing {
                 }
                 let mut inside = 0.0;
                 for piece in &found {
-                    let way = sub(piece.to, piece.from);
-                    let normal = [way[1], -way[0]];
-                    let bounds = match piece.place {
-                        Place::Inside => {
-                            sums.add_normal(side, normal);
-                            inside += dot(way, way).sqrt();
-                            true
-                        }
-                        Place::SameWay => side == 0,
-                        Place::Outside | Place::OtherWay => false,
-                    };
-                    if bounds {
-                        sums.add_area(piece.from, piece.to);
+                    let is_inside = piece.place == Place::Inside;
+                    if !is_inside && (piece.place != Place::SameWay || side == 1) {
+                        continue;
                     }
+                    let way = sub(piece.to, piece.from);
+                    let length = dot(way, way).sqrt();
+                    if is_inside {
+                        sums.add_normal(side, [way[1], -way[0]]);
+                        inside += length;
+                    }
+                    sums.add_area([piece.from, piece.to], length);
                 }
                 if inside > 0.0 {
                     let (slab, struck) = (self.slabs[side], &mut struck[side]);
@@ -380,11 +377,10 @@ impl Sums {
         }
     }
 
-    fn add_area(&mut self, from: [f64; 2], to: [f64; 2]) {
-        let (p, q) = (sub(from, self.origin), sub(to, self.origin));
+    /// Adds a piece of the border, and its length.
+    fn add_area(&mut self, ends: [[f64; 2]; 2], length: f64) {
+        let [p, q] = ends.map(|end| sub(end, self.origin));
         let twice = cross(p, q);
-        let way = sub(q, p);
-        let length = dot(way, way).sqrt();
         self.area += 0.5 * twice;
         self.length += length;
         for axis in 0..2 {
