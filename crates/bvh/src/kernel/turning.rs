@@ -11,8 +11,8 @@
 //! Time and space are divided together: nodes are opened until they are about as large as what they
 //! move in the interval; then the interval is halved, and its halves begin with the pairs that it
 //! left. So what was excluded once is not visited again. The halves are those of
-//! [`geometry::motion::TimeInterval`]. Where motion is nearly straight, a time before which nothing
-//! touches is found at once, and halves that end before it are left out (`clearance.rs`).
+//! [`geometry::motion::TimeInterval`]. Where motion is straight, a time before which nothing touches
+//! is found at once, and halves that end before it are left out (`clearance.rs`).
 //!
 //! # What is decided
 //!
@@ -316,7 +316,7 @@ impl<'a> Search<'_, 'a> {
                 let (small_a, small_b) = (is_small(a), is_small(b));
                 let side = side_to_open(a, a.is_leaf() || small_a, b, b.is_leaf() || small_b);
                 if let Some(side) = side {
-                    self.open(pair, side);
+                    self.open(pair, side, (a, b));
                     continue;
                 }
                 let are_leaves = a.is_leaf() && b.is_leaf() && size(a).max(size(b)) >= least_leaf;
@@ -348,18 +348,16 @@ impl<'a> Search<'_, 'a> {
         (&a.nodes[pair.a as usize], &b.nodes[pair.b as usize])
     }
 
-    /// The pairs that one node of a pair, no leaf, opens to.
-    fn children(&self, pair: NodePair, side: Side) -> [NodePair; 2] {
-        let (a, b) = self.nodes(pair);
-        match side {
-            Side::A => [NodePair { a: a.link, ..pair }, NodePair { a: pair.a + 1, ..pair }],
-            Side::B => [NodePair { b: b.link, ..pair }, NodePair { b: pair.b + 1, ..pair }],
-        }
+    fn open(&mut self, pair: NodePair, side: Side, nodes: (&Node, &Node)) {
+        self.kernel.open.extend_from_slice(&children(pair, side, nodes));
     }
+}
 
-    fn open(&mut self, pair: NodePair, side: Side) {
-        let children = self.children(pair, side);
-        self.kernel.open.extend_from_slice(&children);
+/// The pairs that one node of a pair, no leaf, opens to.
+fn children(pair: NodePair, side: Side, (a, b): (&Node, &Node)) -> [NodePair; 2] {
+    match side {
+        Side::A => [NodePair { a: a.link, ..pair }, NodePair { a: pair.a + 1, ..pair }],
+        Side::B => [NodePair { b: b.link, ..pair }, NodePair { b: pair.b + 1, ..pair }],
     }
 }
 

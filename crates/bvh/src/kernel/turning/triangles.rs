@@ -49,7 +49,7 @@ impl Search<'_, '_> {
                 self.check_budget(interval)?;
                 let Some((a, b)) = self.meeting(interval, pair) else { continue };
                 match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
-                    Some(side) => self.open(pair, side),
+                    Some(side) => self.open(pair, side, (a, b)),
                     None => self.judge(interval, (a, b), &mut verdict),
                 }
             }

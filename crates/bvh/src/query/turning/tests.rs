@@ -217,8 +217,8 @@ proptest! {
         prop_assert_eq!(first, brute_force(&a, &b, &motion, 1e-3));
     }
 
-    /// The same on ways that are long and nearly straight, where it is sought until when they are
-    /// clear.
+    /// The same on ways that are long and straight, or nearly so, where it is sought until when
+    /// they are clear.
     #[test]
     fn finds_what_brute_force_finds_on_long_ways(
         (ends, beside) in (prop::array::uniform2(-1.0..1.0_f64), -1.5..1.5_f64),
