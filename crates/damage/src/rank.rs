@@ -188,8 +188,8 @@ pub fn rank_in<H: Assessed>(
     Ok(())
 }
 
-/// The first of the candidates, as [`rank_in`] has it, and those directly after it that are equal by
-/// all steps.
+/// The first of the candidates, as [`rank_in`] has it, and those directly after it that are equal
+/// by all steps.
 ///
 /// # Errors
 ///

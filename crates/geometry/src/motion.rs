@@ -50,19 +50,19 @@
 //! - What is clearly apart in an interval is apart in all parts of it: `motion/tests.rs`.
 
 mod interval;
+mod near_span;
 mod path;
 mod separation;
 #[cfg(test)]
 mod tests;
 mod touch;
-mod window;
 
 pub use interval::{Moved, MovingBodies, TimeInterval};
+pub use near_span::{NearSpan, NearSpans};
 pub use path::{
     MotionPath, Orientation, POSITION_MAX, PathError, RATE_MAX, SPAN_MAX, SPEED_MAX, STATE_WORDS,
     State, TIME_MAX,
 };
-pub use window::{Window, Windows};
 
 use crate::{DVec3, Pose, RelativePose};
 

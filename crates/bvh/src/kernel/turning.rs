@@ -11,8 +11,8 @@
 //! Time and space are divided together: nodes are opened until they are about as large as what they
 //! move in the interval; then the interval is halved, and its halves begin with the pairs that it
 //! left. So what was excluded once is not visited again. The halves are those of
-//! [`geometry::motion::TimeInterval`]. Where motion is straight, a time before which nothing touches
-//! is found at once, and halves that end before it are left out (`clearance.rs`).
+//! [`geometry::motion::TimeInterval`]. Where motion is straight, a time before which nothing
+//! touches is found at once, and halves that end before it are left out (`clearance.rs`).
 //!
 //! # What is decided
 //!

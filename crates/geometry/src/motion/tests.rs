@@ -213,10 +213,10 @@ proptest! {
         }
     }
 
-    /// Whenever triangles touch, or corners are near each other, that is in their window and in that
+    /// Whenever triangles touch, or corners are near each other, that is in their span and in that
     /// of their boxes.
     #[test]
-    fn windows_leave_out_nothing_that_is_near(
+    fn spans_leave_out_nothing_that_is_near(
         (a, b) in (path(), path()),
         (of_a, of_b) in (corners(), corners()),
         piece in 0..3_usize,
@@ -225,13 +225,13 @@ proptest! {
     ) {
         let Some((motion, bodies)) = moving(&a, &b) else { return Ok(()) };
         let interval = some_interval(&motion, &bodies, piece, &ways);
-        let windows = interval.windows(near_m);
+        let spans = interval.near_spans(near_m);
         let moved = interval.moved_b(&of_b);
-        let of_boxes = windows.of_boxes(&Aabb::of(&of_a), &Aabb::of(&of_b));
-        let of_triangles = windows.of_triangles(&interval, (&of_a, &of_b), &moved, before);
+        let of_boxes = spans.of_boxes(&Aabb::of(&of_a), &Aabb::of(&of_b));
+        let of_triangles = spans.of_triangles(&interval, (&of_a, &of_b), &moved, before);
         let stored = Triangle::stored(&of_a);
-        let holds = |window: Option<Window>, share: f64| {
-            window.is_some_and(|window| window.from <= share && share <= window.to)
+        let holds = |span: Option<NearSpan>, share: f64| {
+            span.is_some_and(|span| span.from <= share && share <= span.to)
         };
         for step in 0..=50 {
             let share = f64::from(step) / 50.0;
@@ -289,8 +289,8 @@ fn boxes_beyond_single_precision_are_never_called_apart() {
             let bodies = MovingBodies::new(&motion, [&box_, &box_]);
             let interval = TimeInterval::of(&motion, &bodies, &piece);
             assert!(interval.may_meet(&box_, &box_), "{box_:?}");
-            let window = interval.windows(1e-3).of_boxes(&box_, &box_);
-            assert_eq!(window, Some(Window::ALL), "{box_:?}");
+            let span = interval.near_spans(1e-3).of_boxes(&box_, &box_);
+            assert_eq!(span, Some(NearSpan::ALL), "{box_:?}");
         }
     }
 }
@@ -376,7 +376,7 @@ fn most_that_are_apart_are_called_so() {
 
 /// Triangles that move straight come near when they touch, to a micrometre.
 #[test]
-fn windows_begin_where_triangles_touch() {
+fn spans_begin_where_triangles_touch() {
     let mut random = crate::rng::Rng::new(11);
     let mut unit = || random.between(-0.5, 0.5) as f32;
     let state = |time_s, x| State {
@@ -391,22 +391,22 @@ fn windows_begin_where_triangles_touch() {
     let bodies = MovingBodies::new(&motion, [&box_, &box_]);
     let piece = motion.pieces().next().unwrap();
     let interval = TimeInterval::of(&motion, &bodies, &piece);
-    let windows = interval.windows(1e-9);
+    let spans = interval.near_spans(1e-9);
     let sweep = crate::Sweep::new(DVec3::X, 0.0, 8.0).unwrap();
     let (mut met, mut missed) = (0, 0);
     for _ in 0..4_000 {
         let [a, b]: [Corners; 2] = [0; 2].map(|_| [0; 3].map(|_| [0; 3].map(|_| unit())));
         let moved = interval.moved_b(&b);
-        let window = windows.of_triangles(&interval, (&a, &b), &moved, f64::INFINITY);
+        let span = spans.of_triangles(&interval, (&a, &b), &moved, f64::INFINITY);
         let begin = motion.pose_at(0.0).triangle(&b);
         match crate::sweep::first_contact(&Triangle::stored(&a), &begin, &sweep) {
             Some(touch) => {
-                let off_m = window.unwrap().from * 8.0 - touch.travel_m;
+                let off_m = span.unwrap().from * 8.0 - touch.travel_m;
                 assert!((-1e-6..=0.0).contains(&off_m), "{off_m}");
                 met += 1;
             }
             None => {
-                assert_eq!(window, None);
+                assert_eq!(span, None);
                 missed += 1;
             }
         }

@@ -3,7 +3,7 @@
 //! Halving an interval excludes what it must, but slowly where bodies pass each other closely: each
 //! part is as short as the gap is wide. Where motion is straight, the time at which boxes of nodes,
 //! and then triangles, come near each other follows from their chords
-//! ([`geometry::motion::Windows`]). So one descent, the nearest pair first, finds a time before
+//! ([`geometry::motion::NearSpans`]). So one descent, the nearest pair first, finds a time before
 //! which nothing is near. Nothing that a short interval would call open is left out: that comes
 //! within the resolution, and a quarter more counts as near. So the answer is the same bits.
 
@@ -11,7 +11,7 @@ use super::{First, Frame, Search, children};
 use crate::NodePair;
 use crate::descent::side_to_open;
 use body::Node;
-use geometry::motion::{TimeInterval, Windows};
+use geometry::motion::{NearSpans, TimeInterval};
 use std::ops::ControlFlow;
 
 /// How near counts, in resolutions.
@@ -49,12 +49,12 @@ impl Search<'_, '_> {
         interval: &TimeInterval,
         [from, to]: [usize; 2],
     ) -> ControlFlow<First, Option<f64>> {
-        let windows = interval.windows(NEAR * self.task.resolution_m);
+        let spans = interval.near_spans(NEAR * self.task.resolution_m);
         let begun = self.counters.tests();
         let mut first = f64::INFINITY;
         for at in from..to {
             self.kernel.nearing.clear();
-            self.near(&windows, self.kernel.pairs[at], first);
+            self.near(&spans, self.kernel.pairs[at], first);
             while let Some((share, pair)) = self.kernel.nearing.pop() {
                 self.check_budget(interval)?;
                 if self.counters.tests() - begun > TESTS_MAX {
@@ -65,8 +65,8 @@ impl Search<'_, '_> {
                 }
                 let (a, b) = self.nodes(pair);
                 match side_to_open(a, a.is_leaf(), b, b.is_leaf()) {
-                    Some(side) => self.open_near(&windows, children(pair, side, (a, b)), first),
-                    None => first = self.first_near((interval, &windows), (a, b), first),
+                    Some(side) => self.open_near(&spans, children(pair, side, (a, b)), first),
+                    None => first = self.first_near((interval, &spans), (a, b), first),
                 }
             }
         }
@@ -74,22 +74,22 @@ impl Search<'_, '_> {
     }
 
     /// Keeps a pair that is near before a share.
-    fn near(&mut self, windows: &Windows, pair: NodePair, before: f64) {
+    fn near(&mut self, spans: &NearSpans, pair: NodePair, before: f64) {
         let (a, b) = self.nodes(pair);
         self.counters.nb += 1;
-        if let Some(window) = windows.of_boxes(&a.bounds, &b.bounds)
-            && window.from < before
+        if let Some(span) = spans.of_boxes(&a.bounds, &b.bounds)
+            && span.from < before
         {
-            self.kernel.nearing.push((window.from, pair));
+            self.kernel.nearing.push((span.from, pair));
         }
     }
 
     /// Keeps the children of a pair, as far as they are near before a share; the one that is so
     /// first ends up on top.
-    fn open_near(&mut self, windows: &Windows, children: [NodePair; 2], before: f64) {
+    fn open_near(&mut self, spans: &NearSpans, children: [NodePair; 2], before: f64) {
         let at = self.kernel.nearing.len();
         for child in children {
-            self.near(windows, child, before);
+            self.near(spans, child, before);
         }
         if let [next, last] = &mut self.kernel.nearing[at..]
             && next.0 < last.0
@@ -101,7 +101,7 @@ impl Search<'_, '_> {
     /// The first share at which triangles of two leaves are near, if that is before another.
     fn first_near(
         &mut self,
-        (interval, windows): (&TimeInterval, &Windows),
+        (interval, spans): (&TimeInterval, &NearSpans),
         (a, b): (&Node, &Node),
         mut first: f64,
     ) -> f64 {
@@ -113,8 +113,8 @@ impl Search<'_, '_> {
                 self.counters.np += 1;
                 let corners_a = &task.a.corners[of_a as usize];
                 let pair = (corners_a, corners_b);
-                if let Some(window) = windows.of_triangles(interval, pair, &moved, first) {
-                    first = first.min(window.from);
+                if let Some(span) = spans.of_triangles(interval, pair, &moved, first) {
+                    first = first.min(span.from);
                 }
             }
         }
