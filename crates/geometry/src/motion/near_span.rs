@@ -53,7 +53,7 @@ pub struct NearSpans {
 }
 
 impl TimeInterval {
-    /// NearSpans of what may come within `near_m` (m) of each other.
+    /// When what moves in it may come within `near_m` (m) of each other.
     #[must_use]
     pub fn near_spans(&self, near_m: f64) -> NearSpans {
         let boxes = self.movers.each_ref().map(|movers| MovingBoxes {
@@ -170,7 +170,7 @@ impl MovingBoxes {
         let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
         let (begin, reach) = self.begin.placed(middle, half);
         let (end, reach_at_end) = self.end.placed(middle, half);
-        // The middle is linear in time, and the box no larger than at either end.
+        // The middle is linear in time, and extents are no more than the greater of both ends.
         let reach = reach.max(reach_at_end) + self.near_m + (most - least) * 0.5;
         let (from, way) = (begin - (least + most) * 0.5, end - begin);
         // What is no number is near all the time.
