@@ -17,6 +17,8 @@ pub const HELPER_STACK_BYTES: usize = 256 << 10;
 pub(crate) struct IdleCores {
     helpers: usize,
     cores: SmallVec<[usize; 8]>,
+    /// Whether the caller's own core is one of them.
+    is_shared: bool,
     /// If there are no such cores: what they would have spared.
     virtual_ones: Option<VirtualHelpers>,
 }
@@ -88,21 +90,27 @@ impl VirtualHelpers {
 
 impl IdleCores {
     /// The cores of these workers, and so many helpers at most. `None`: a worker that the system
-    /// puts wherever it likes.
-    pub(crate) fn of(workers: &[Option<usize>], most: usize) -> Self {
+    /// puts wherever it likes. `is_shared`: the caller has no core of its own.
+    pub(crate) fn of(workers: &[Option<usize>], most: usize, is_shared: bool) -> Self {
         let cores = workers.iter().flatten().copied().collect();
-        Self { helpers: workers.len().min(most), cores, virtual_ones: None }
+        Self { helpers: workers.len().min(most), cores, is_shared, virtual_ones: None }
     }
 
-    /// So many cores that there are not, the caller's among them. What is done on them is added to
-    /// `helped`.
+    /// The cores of so many workers that there are not, and the caller's, unless it shares one of
+    /// theirs. What is done on them is added to `helped`.
     pub(crate) fn virtual_ones(
-        cores: usize,
+        (workers, is_shared): (usize, bool),
         thread_ns: u64,
         helped: Arc<Mutex<VirtualHelp>>,
     ) -> Self {
         let virtual_ones = Some(VirtualHelpers { thread_ns, helped });
-        Self { helpers: cores.saturating_sub(1), cores: SmallVec::new(), virtual_ones }
+        let helpers = workers.saturating_sub(usize::from(is_shared));
+        Self { helpers, cores: SmallVec::new(), is_shared, virtual_ones }
+    }
+
+    /// Whether the caller has no core of its own: while it works, a worker does not.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.is_shared
     }
 
     /// All but so many of these, whose workers are at work.

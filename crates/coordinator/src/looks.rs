@@ -31,7 +31,7 @@ use std::rc::Rc;
 /// Looks that a worker has at once, at least and at most: one at work, and the next ones. The most
 /// is what its queue takes, if nothing else is set.
 const OUT_LEAST: u64 = 3;
-const OUT_MOST: u64 = 16;
+pub(crate) const OUT_MOST: u64 = 16;
 
 /// How long these last (ns), within these limits: as long as the coordinator may assemble contacts,
 /// or wait for the core of a worker itself. Longer ones would leave some workers with looks when

@@ -134,8 +134,8 @@ impl VirtualCores {
 
     /// The cores that share what the coordinator does while workers wait.
     pub(crate) fn idle_cores(&self) -> IdleCores {
-        let cores = self.workers.len() + usize::from(!self.setup.is_shared);
-        IdleCores::virtual_ones(cores, self.setup.costs.thread_ns, Arc::clone(&self.helped))
+        let workers = (self.workers.len(), self.setup.is_shared);
+        IdleCores::virtual_ones(workers, self.setup.costs.thread_ns, Arc::clone(&self.helped))
     }
 
     fn take_help(&self) -> VirtualHelp {

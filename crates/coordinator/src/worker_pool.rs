@@ -187,7 +187,8 @@ impl WorkerPool {
 
     /// The cores of the workers: idle while none of them is given work. One is this process's own.
     pub(crate) fn idle_cores(&self) -> IdleCores {
-        IdleCores::of(&self.options.cores, self.own_cores.len().saturating_sub(1))
+        let most = self.own_cores.len().saturating_sub(1);
+        IdleCores::of(&self.options.cores, most, self.shares_core())
     }
 
     /// Whether no core is free of workers: spinning would take a worker's time.

@@ -19,7 +19,7 @@ use super::history::{Cutoff, SearchClock, Surveyor};
 use super::rounds::{EncounterEffort, Round, Rounds};
 use super::way::NextContact;
 use crate::idle_cores::IdleCores;
-use crate::looks::{AskedLook, LookSource};
+use crate::looks::{AskedLook, LookSource, OUT_MOST};
 use crate::request::{Candidate, Request, RequestError};
 use crate::workspace::RunError;
 use bvh::Counters;
@@ -390,6 +390,8 @@ impl LookSource for CourseSearch<'_, '_> {
     }
 
     fn use_spare_time(&mut self) -> bool {
-        self.assemble() || self.lay_plane()
+        // Looks of a worker whose core this is must not be all that the others wait for.
+        let is_waited_for = self.cores.is_shared() && self.out <= OUT_MOST as usize;
+        self.assemble() || !is_waited_for && self.lay_plane()
     }
 }

@@ -9,7 +9,7 @@ fn what_is_shared_comes_back_in_order_however_many_help() {
     for cores in [&[][..], &[None], &[Some(here), None, Some(usize::MAX)]] {
         for count in [0, 1, 2, 1_000] {
             let mut scratch = 0_u64;
-            let squares = IdleCores::of(cores, 2).map(&mut scratch, count, |used, k| {
+            let squares = IdleCores::of(cores, 2, false).map(&mut scratch, count, |used, k| {
                 *used += 1;
                 k * k
             });
@@ -23,8 +23,8 @@ fn what_is_shared_comes_back_in_order_however_many_help() {
 
 #[test]
 fn nothing_comes_back_once_there_is_no_time() {
-    let virtual_ones = IdleCores::virtual_ones(3, 0, Arc::default());
-    for cores in [IdleCores::default(), IdleCores::of(&[None; 2], 2), virtual_ones] {
+    let virtual_ones = IdleCores::virtual_ones((2, false), 0, Arc::default());
+    for cores in [IdleCores::default(), IdleCores::of(&[None; 2], 2, false), virtual_ones] {
         for count in [0, 1, 2, 50] {
             for over_at in 0..=count + 1 {
                 let mut asked = 0;
@@ -44,16 +44,16 @@ fn nothing_comes_back_once_there_is_no_time() {
 
 #[test]
 fn nobody_helps_whose_worker_is_at_work() {
-    let cores = IdleCores::of(&[None; 4], 3);
+    let cores = IdleCores::of(&[None; 4], 3, true);
     let threads = |busy: usize| cores.without(busy).threads();
     assert_eq!([0, 1, 2, 3, 4, usize::MAX].map(threads), [4, 3, 2, 1, 1, 1]);
-    assert_eq!(IdleCores::of(&[None; 2], 3).threads(), 3);
+    assert_eq!(IdleCores::of(&[None; 2], 3, false).threads(), 3);
 }
 
 #[test]
 fn a_panic_of_a_helper_is_one_of_the_caller() {
     let panics = std::panic::catch_unwind(|| {
-        IdleCores::of(&[None], 1).map(&mut (), 100, |(), k| assert!(k < 50));
+        IdleCores::of(&[None], 1, false).map(&mut (), 100, |(), k| assert!(k < 50));
     });
     assert!(panics.is_err());
 }
@@ -72,6 +72,6 @@ fn virtual_helpers_spare_what_they_do_while_the_caller_works() {
     // They are waited for, though all is done when they begin.
     assert_eq!(help(100, 4, &[5, 5]), (0, vec![0, 0, 0]));
     let helped = Arc::new(Mutex::new(VirtualHelp::default()));
-    let cores = IdleCores::virtual_ones(2, 0, Arc::clone(&helped));
+    let cores = IdleCores::virtual_ones((2, true), 0, Arc::clone(&helped));
     assert_eq!((cores.threads(), cores.map(&mut (), 4, |(), k| 2 * k)), (2, vec![0, 2, 4, 6]));
 }
