@@ -41,16 +41,21 @@ pub(in crate::rank) fn risks() -> impl Strategy<Value = Vec<Vec<(f64, f64, bool)
         .prop_flat_map(move |n| prop::collection::vec(prop::collection::vec(risk.clone(), n), 1..6))
 }
 
+/// Candidates with these risks, as far as they are known.
+fn open_candidates(risks: &[Vec<(f64, f64, bool)>]) -> Vec<CandidateHarm> {
+    let known = |risks: &Vec<(f64, f64, bool)>| {
+        open(&risks.iter().map(|(lo, hi, _)| (*lo, *hi)).collect::<Vec<_>>())
+    };
+    risks.iter().map(known).collect()
+}
+
 proptest! {
     /// Whatever open work finds, the winner of the finished run was among the possible ones; and if
     /// the answer was certified, it was that winner.
     // verifies REQ-RANK
     #[test]
     fn the_winner_of_the_finished_run_was_never_left_out(policy in policies(), risks in risks()) {
-        let now: Vec<_> = risks.iter().map(|person| {
-            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
-            candidate(&works, Interval::ZERO)
-        }).collect();
+        let now = open_candidates(&risks);
         let later: Vec<_> = risks.iter().map(|person| {
             let ends: Vec<f64> = person.iter().map(|r| if r.2 { r.1 } else { r.0 }).collect();
             CandidateHarm { energy_j: Interval::ZERO, ..settled(&ends) }
@@ -74,10 +79,7 @@ proptest! {
     /// Who is first, and who is equal to that one directly after it, is as in the whole order.
     #[test]
     fn winners_are_those_of_the_whole_order(policy in policies(), risks in risks()) {
-        let candidates: Vec<_> = risks.iter().map(|person| {
-            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
-            candidate(&works, Interval::ZERO)
-        }).collect();
+        let candidates = open_candidates(&risks);
         let policy = &*among(&policy, candidates.len());
         let stakes = stakes(risks[0].len());
         let answer = rank(policy, &stakes, &candidates).expect("sound candidates");
@@ -92,10 +94,7 @@ proptest! {
     /// that is not the same for all possible winners whatever comes.
     #[test]
     fn the_standing_of_bounds_is_that_of_the_answer(policy in policies(), risks in risks()) {
-        let candidates: Vec<_> = risks.iter().map(|person| {
-            let works: Vec<Interval> = person.iter().map(|r| Interval::new(r.0, r.1)).collect();
-            candidate(&works, Interval::ZERO)
-        }).collect();
+        let candidates = open_candidates(&risks);
         let policy = &*among(&policy, candidates.len());
         let stakes = stakes(risks[0].len());
         let bounds: Vec<_> = candidates.iter().map(CandidateBounds::of).collect();
