@@ -11,7 +11,7 @@ use crate::assess::Risk;
 use crate::course::CourseHarm;
 use crate::interval::{Interval, Range};
 use crate::policy::Policy;
-use crate::rank::{RankError, Scratch, leading_in, winners_in};
+use crate::rank::{RankError, Scratch, best_in, leading_in};
 use crate::rule::{Others, Stake};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -187,11 +187,10 @@ pub fn spreads(
     let mut regret = vec![0.0; candidates];
     let (mut scratch, mut measures) = (Scratch::default(), Vec::new());
     for harms in harms {
-        let winners = winners_in(&mut scratch, policy, stakes, harms)?;
+        let winners = best_in(&mut scratch, policy, stakes, harms, &mut measures)?;
         for winner in &winners {
             best[*winner] += 1.0 / winners.len() as f64;
         }
-        leading_in(&mut scratch, policy, stakes, harms, &mut measures)?;
         let least = measures.iter().map(|of| of.hi()).fold(f64::INFINITY, f64::min);
         for (k, measure) in measures.iter().enumerate() {
             leading[k].push(measure.hi());

@@ -48,6 +48,22 @@ pub struct Scratch {
     spare: Vec<Vec<Interval>>,
 }
 
+impl Scratch {
+    /// What a ranking is computed from, and spare lists of places.
+    fn order<'a, H: Assessed>(
+        &'a mut self,
+        policy: &'a Policy,
+        stakes: &'a [Stake],
+        candidates: &[H],
+    ) -> Result<(RankOrder<'a>, &'a mut Vec<Vec<Interval>>), RankError> {
+        let Self { figures, steps, spare } = self;
+        write_figures(stakes, candidates, figures)?;
+        policy.write_steps(stakes.len(), steps);
+        let figures = &figures[..candidates.len()];
+        Ok((RankOrder { policy, stakes, steps, figures }, spare))
+    }
+}
+
 /// The first `count` elements of a list that only grows.
 fn taken<T: Clone + Default>(list: &mut Vec<T>, count: usize) -> &mut [T] {
     if list.len() < count {
@@ -180,10 +196,7 @@ pub fn rank_in<H: Assessed>(
     candidates: &[H],
     ranking: &mut RankedCandidates,
 ) -> Result<(), RankError> {
-    let Scratch { figures, steps, spare } = scratch;
-    write_figures(stakes, candidates, figures)?;
-    policy.write_steps(stakes.len(), steps);
-    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
+    let (order, spare) = scratch.order(policy, stakes, candidates)?;
     order.write(candidates, spare, ranking);
     Ok(())
 }
@@ -200,11 +213,7 @@ pub fn winners_in<H: Assessed>(
     stakes: &[Stake],
     candidates: &[H],
 ) -> Result<SmallVec<[usize; 4]>, RankError> {
-    let Scratch { figures, steps, .. } = scratch;
-    write_figures(stakes, candidates, figures)?;
-    policy.write_steps(stakes.len(), steps);
-    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
-    Ok(order.winners())
+    Ok(scratch.order(policy, stakes, candidates)?.0.winners())
 }
 
 /// The leading measure of each candidate over open work, as [`Place::work`] has it; the contents of
@@ -220,13 +229,21 @@ pub(crate) fn leading_in<H: Assessed>(
     candidates: &[H],
     leading: &mut Vec<Interval>,
 ) -> Result<(), RankError> {
-    let Scratch { figures, steps, .. } = scratch;
-    write_figures(stakes, candidates, figures)?;
-    policy.write_steps(stakes.len(), steps);
-    let order = RankOrder { policy, stakes, steps, figures: &figures[..candidates.len()] };
-    leading.clear();
-    leading.extend((0..candidates.len()).map(|k| order.over(order.leading_measure().0, k)));
+    scratch.order(policy, stakes, candidates)?.0.write_leading(leading);
     Ok(())
+}
+
+/// [`winners_in`] and [`leading_in`] at once.
+pub(crate) fn best_in<H: Assessed>(
+    scratch: &mut Scratch,
+    policy: &Policy,
+    stakes: &[Stake],
+    candidates: &[H],
+    leading: &mut Vec<Interval>,
+) -> Result<SmallVec<[usize; 4]>, RankError> {
+    let (order, _) = scratch.order(policy, stakes, candidates)?;
+    order.write_leading(leading);
+    Ok(order.winners())
 }
 
 /// The figures of all candidates, checked.
@@ -309,6 +326,13 @@ impl RankOrder<'_> {
         ranking.tie_class.extend((0..candidates.len()).filter(tie_class));
         ranking.notes.clear();
         self.note(&mut ranking.notes);
+    }
+
+    /// Replaces the contents of a list by the leading measure of each candidate over open work.
+    fn write_leading(&self, leading: &mut Vec<Interval>) {
+        let (measure, _) = self.leading_measure();
+        leading.clear();
+        leading.extend((0..self.figures.len()).map(|k| self.over(measure, k)));
     }
 
     /// The first, and those directly after it that are equal by all steps.

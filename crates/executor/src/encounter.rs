@@ -219,13 +219,12 @@ fn are_apart([a, b]: [BodyView<'_>; 2], pose: &RelativePose) -> bool {
 
 /// The number of a triangle in leaf order, by its source id; 0 if there is none.
 fn number_of(body: &BodyView<'_>, id: u32) -> u32 {
-    /// Ids that are compared without a look at which it is: many at once.
+    /// Ids of which it is asked first whether it is among them: many are compared at once.
     const TOGETHER: usize = 64;
     let mut parts = body.source_ids.chunks(TOGETHER).enumerate();
-    let number = parts.find_map(|(part, ids)| {
-        let is_there = ids.iter().fold(false, |found, known| found | (*known == id));
-        let at = is_there.then(|| ids.iter().position(|known| *known == id)).flatten()?;
-        Some(part * TOGETHER + at)
+    let part = parts.find(|(_, ids)| ids.contains(&id));
+    let number = part.and_then(|(part, ids)| {
+        ids.iter().position(|known| *known == id).map(|at| part * TOGETHER + at)
     });
     number.unwrap_or(0) as u32
 }

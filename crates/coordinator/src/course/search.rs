@@ -8,8 +8,9 @@
 //!
 //! What comes about, and with which plane, takes as long as the looks. Where many courses wait for
 //! that and workers wait for looks, threads on their cores help. Nothing waits for planes of
-//! members: they are laid when there is nothing else to do, and the last of them by all cores. A
-//! course goes on as soon as its own looks are done, so the order in which courses do depends on
+//! members: they are laid when there is nothing else to do, and the last of them by all cores; a
+//! coordinator that has a worker's core leaves them to these while few looks are out. A course goes
+//! on as soon as its own looks are done, so the order in which courses do depends on
 //! workers; what becomes of each does not. What was not done is known by its course and its number
 //! there, so a replay leaves the same open.
 
