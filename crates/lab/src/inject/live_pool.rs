@@ -38,14 +38,38 @@ pub(super) struct Open {
     pub(super) seen_ns: Option<u64>,
 }
 
+impl Open {
+    /// Whether it struck, would have ended a worker, and was not noticed.
+    pub(super) fn is_unnoticed(&self) -> bool {
+        let is_fatal = !self.kind.may_be_survived() && self.kind != Kind::Poison;
+        is_fatal && self.struck_ns.is_some() && self.seen_ns.is_none()
+    }
+
+    /// Which fault of which worker, for the report.
+    pub(super) fn told(&self) -> String {
+        format!("{} of {}", self.kind.name(), named(self.who))
+    }
+}
+
+fn listed(words: &[String]) -> String {
+    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+}
+
+/// A worker, for the report.
+fn named(Incarnation { worker, inc }: Incarnation) -> String {
+    format!("worker {worker} (process {inc})")
+}
+
 pub(super) struct Live<'s> {
     pub(super) stage: &'s Stage<'s>,
     pub(super) backend: Backend,
     pub(super) instance: String,
     pub(super) rng: Rng,
     pub(super) sequence: u16,
-    /// Duration of a request without faults (ns), and its number of jobs.
+    /// Median duration of requests (ns), estimated as they go: where a job is in quarantine, they
+    /// take a part of the time. Faults strike within it.
     pub(super) usual_ns: u64,
+    /// Number of jobs of the last request.
     pub(super) jobs: u64,
     pub(super) open: Vec<Open>,
     /// Targets of the previous round's faults, which may still end them.
@@ -112,12 +136,23 @@ impl Live<'_> {
         Ok(())
     }
 
+    /// Moves the estimate of the median duration a step towards this one.
+    fn note_time(&mut self, took_ns: u64) {
+        let step_ns = self.usual_ns / 16 + 1;
+        self.usual_ns = match self.usual_ns {
+            0 => took_ns.max(1),
+            usual_ns if took_ns > usual_ns => usual_ns + step_ns,
+            usual_ns => usual_ns.saturating_sub(step_ns).max(1),
+        };
+    }
+
     /// Runs one request, and judges the answer.
     pub(super) fn request(&mut self, report: &mut Report) -> Result<State, Failure> {
         let begun_ns = clock::now_ns();
         let Stage { body_set, request, limits, .. } = self.stage;
         let ran = rank_courses(body_set, request, *limits, &mut self.backend);
         let took_ns = clock::now_ns() - begun_ns;
+        self.note_time(took_ns);
         report.requests += 1;
         report.slowest_ns = report.slowest_ns.max(took_ns);
         let due_ns = self.stage.plan.deadline_ms.map(|ms| u64::from(ms) * 1_000_000);
@@ -171,11 +206,15 @@ impl Live<'_> {
                     | Observation::Impossible
             );
             if is_end && !is_known && report.note_end(incident.who) {
-                report.false_kills += 1;
-                let open: Vec<_> =
-                    self.open.iter().map(|open| (open.kind.name(), open.who)).collect();
-                let before = &self.before;
-                tracing::warn!(?incident, ?open, ?before, "a healthy worker was killed");
+                let open: Vec<String> = self.open.iter().map(Open::told).collect();
+                let before: Vec<String> = self.before.iter().copied().map(named).collect();
+                report.note_false_kill(format!(
+                    "{}: {:?}; faults of this request: {}; struck before: {}",
+                    named(incident.who),
+                    incident.observation,
+                    listed(&open),
+                    listed(&before)
+                ));
             }
         }
     }

@@ -11,6 +11,9 @@ use std::fmt::Write as _;
 /// waits for a core like any process.
 pub(super) const GUARD_NS: u64 = 250_000_000;
 
+/// Maximum number of events that the report tells one by one.
+const TOLD: usize = 20;
+
 /// The outcome of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum State {
@@ -75,8 +78,10 @@ pub(super) struct Report {
     pub(super) deadline_ms: Option<u32>,
     /// Answers after the deadline.
     pub(super) late: u64,
-    pub(super) false_kills: u64,
-    pub(super) unseen: u64,
+    false_kills: u64,
+    unseen: u64,
+    /// The first of both, one by one.
+    told: Vec<String>,
     pub(super) missed: u64,
     pub(super) orphans: u64,
     pub(super) left_behind: u64,
@@ -118,6 +123,24 @@ impl Report {
         self.ended.insert((who.worker, who.inc))
     }
 
+    /// Counts a worker that was killed though no fault had struck it.
+    pub(super) fn note_false_kill(&mut self, what: String) {
+        self.false_kills += 1;
+        self.tell(format!("healthy worker killed: {what}"));
+    }
+
+    /// Counts a fault that would have ended its worker, and that nobody noticed.
+    pub(super) fn note_unseen(&mut self, what: String) {
+        self.unseen += 1;
+        self.tell(format!("never noticed: {what}"));
+    }
+
+    fn tell(&mut self, what: String) {
+        if self.told.len() < TOLD {
+            self.told.push(what);
+        }
+    }
+
     pub(super) fn document(&self) -> Injected {
         let rows: Vec<Row> = self.entries.iter().map(|(kind, entry)| row(*kind, entry)).collect();
         let leaks = self.orphans
@@ -148,6 +171,7 @@ impl Report {
             requests: self.requests,
             answers: Answers::of(self.answers),
             unseen: self.unseen,
+            told: self.told.clone(),
             missed: self.missed,
             restarts: self.restarts,
             successor_ready: Times::of(&self.whole_ns),
@@ -196,6 +220,7 @@ pub struct Injected {
     requests: u64,
     answers: Answers,
     unseen: u64,
+    told: Vec<String>,
     missed: u64,
     restarts: u64,
     successor_ready: Times,
@@ -343,6 +368,7 @@ fn page(document: &Injected) -> String {
         left.names_after_the_end
     ));
     line(format!("never noticed {}, could not be placed {}", document.unseen, document.missed));
+    document.told.iter().for_each(|told| line(format!("  {told}")));
     line(format!("again: {}", document.replay));
     if document.is_interrupted {
         text.push_str("interrupted: the plan was not finished\n");
@@ -380,4 +406,27 @@ pub(super) fn junit(document: &Injected) -> String {
     }
     text.push_str("  </testcase>\n</testsuite>\n");
     text
+}
+
+#[cfg(test)]
+mod tests {
+    //! What a campaign fails by is told one by one, up to a bound.
+    use super::*;
+
+    #[test]
+    fn a_healthy_worker_that_was_killed_is_named_and_fails_the_campaign() {
+        let mut report = Report::new(1);
+        assert!(report.document().is_survived());
+        report.note_unseen("stop of worker 2 (process 6)".to_owned());
+        assert!(report.document().is_survived(), "it had no work to be missed at");
+        for process in 0..2 * TOLD {
+            report.note_false_kill(format!("worker 3 (process {process}): Ended"));
+        }
+        let document = report.document();
+        assert!(!document.is_survived());
+        let text = document.text();
+        assert!(text.contains("killed 40\n") && text.contains("never noticed 1,"), "{text}");
+        assert!(text.contains("  never noticed: stop of worker 2 (process 6)\n"), "{text}");
+        assert_eq!(text.matches("healthy worker killed: worker 3").count(), TOLD - 1, "{text}");
+    }
 }
