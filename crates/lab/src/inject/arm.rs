@@ -4,7 +4,7 @@ use super::calls::Trace;
 use super::kind::Kind;
 use super::live_pool::Live;
 use super::report::Report;
-use super::signals::{Deed, KILL, Shot, still_alive};
+use super::signals::{self, Deed, Shot};
 use coordinator::Corruption;
 use core::sync::atomic::{AtomicBool, Ordering};
 use geometry::rng::Rng;
@@ -43,9 +43,7 @@ impl Live<'_> {
             Kind::KillIdle => {
                 if let Ok(held) = Held::of(pid) {
                     self.open[number].struck_ns = Some(clock::now_ns());
-                    held.signal(KILL)?;
-                    // Its successor must not be started in the place of another one.
-                    still_alive(&[held], clock::now_ns());
+                    signals::end(held)?;
                 }
             }
             Kind::KillAtStart => {
@@ -128,10 +126,8 @@ impl Live<'_> {
         // Otherwise another worker's successor might be the one that stops.
         self.mend(false, report)?;
         if let Ok(held) = Held::of(pid) {
-            held.signal(KILL)?;
+            signals::end(held)?;
             report.note_end(who);
-            // Its end is asked for once, below.
-            still_alive(&[held], clock::now_ns());
         }
         self.pool().stop_next_starts(stopped);
         let mended = self.mend_pool()?;

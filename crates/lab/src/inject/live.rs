@@ -5,7 +5,7 @@ use super::calls::Trace;
 use super::kind::Kind;
 use super::live_pool::{Live, Open, Stage};
 use super::report::{Report, State};
-use super::signals::{Gunner, KILL, still_alive};
+use super::signals::{self, Gunner};
 use super::worker_pool::{names_of, options};
 use crate::progress::Progress;
 use coordinator::{Backend, WorkerPool};
@@ -157,8 +157,9 @@ impl Live<'_> {
             self.look(report);
             self.mend(false, report)?;
         }
-        self.disarm(report)?;
+        // First, because the ends of those that are replaced are noticed, too.
         self.book(&chosen, left, state, answered_ns, report);
+        self.disarm(report)?;
         for (who, _) in self.pool().roster() {
             self.pool().command_fault(who.worker, None);
         }
@@ -166,10 +167,9 @@ impl Live<'_> {
     }
 
     /// Replaces workers that one of these faults would still end in a later request: by an order
-    /// that they have not obeyed yet, or because nobody noticed what was done to them. A worker
-    /// that gets no job is not watched, and few jobs are left where one is in quarantine.
+    /// that they have not obeyed yet, or because nobody noticed what was done to them: a worker that
+    /// gets no job is not watched.
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
-        let mut killed = Vec::new();
         for (who, pid) in self.pool().roster() {
             let is_armed = |open: &Open| {
                 let is_pending = match open.struck_ns {
@@ -181,13 +181,10 @@ impl Live<'_> {
             if self.open.iter().any(is_armed)
                 && let Ok(held) = Held::of(pid)
             {
-                held.signal(KILL)?;
+                signals::end(held)?;
                 report.note_end(who);
-                killed.push(held);
             }
         }
-        // One that still ends would be taken for a live one, and the next fault would be its.
-        still_alive(&killed, clock::now_ns());
         self.mend(true, report)
     }
 

@@ -66,8 +66,8 @@ pub(super) struct Live<'s> {
     pub(super) instance: String,
     pub(super) rng: Rng,
     pub(super) sequence: u16,
-    /// Median duration of requests (ns), estimated as they go: where a job is in quarantine, they
-    /// take a part of the time. Faults strike within it.
+    /// Median duration of requests (ns), estimated as they go: it changes when a job is in
+    /// quarantine. Faults strike within it.
     pub(super) usual_ns: u64,
     /// Number of jobs of the last request.
     pub(super) jobs: u64,

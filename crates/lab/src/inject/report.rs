@@ -418,7 +418,7 @@ mod tests {
         let mut report = Report::new(1);
         assert!(report.document().is_survived());
         report.note_unseen("stop of worker 2 (process 6)".to_owned());
-        assert!(report.document().is_survived(), "it had no work to be missed at");
+        assert!(report.document().is_survived(), "it is told, and fails nothing");
         for process in 0..2 * TOLD {
             report.note_false_kill(format!("worker 3 (process {process}): Ended"));
         }

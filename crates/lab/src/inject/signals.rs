@@ -1,8 +1,8 @@
 //! Sends signals to workers at given times, from its own thread.
 
 use geometry::rng::Rng;
-use runtime::clock;
 use runtime::process::Held;
+use runtime::{OsError, clock};
 use std::fs::OpenOptions;
 use std::os::unix::fs::FileExt as _;
 use std::path::Path;
@@ -132,6 +132,14 @@ pub(super) fn still_alive(held: &[Held], since_ns: u64) -> u64 {
         }
         std::thread::yield_now();
     }
+}
+
+/// Kills a process, and waits for its end: one that still ends would be taken for a live one, which
+/// gets no successor and may be struck again.
+pub(super) fn end(held: Held) -> Result<(), OsError> {
+    held.signal(KILL)?;
+    still_alive(&[held], clock::now_ns());
+    Ok(())
 }
 
 /// Flips this many bits in each file of shared memory whose name has this end.
