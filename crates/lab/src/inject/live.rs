@@ -167,8 +167,8 @@ impl Live<'_> {
     }
 
     /// Replaces workers that one of these faults would still end in a later request: by an order
-    /// that they have not obeyed yet, or because nobody noticed what was done to them: a worker that
-    /// gets no job is not watched.
+    /// that they have not obeyed yet, or because nobody noticed what was done to them. A worker
+    /// that gets no job is not watched.
     fn disarm(&mut self, report: &mut Report) -> Result<(), Failure> {
         for (who, pid) in self.pool().roster() {
             let is_armed = |open: &Open| {
